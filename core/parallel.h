@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+
+namespace lightgrid {
+
+/// How many threads the library may use from now on, until the returned object dies. 0: all of the machine.
+class ThreadLimit {
+  public:
+    explicit ThreadLimit(int threads);
+    ~ThreadLimit();
+    ThreadLimit(const ThreadLimit&) = delete;
+    ThreadLimit& operator=(const ThreadLimit&) = delete;
+
+  private:
+    struct Control;
+    Control* control_;
+};
+
+[[nodiscard]] int thread_count();
+
+/// Calls body(i) for every i in [0, count), in any order, on all allowed threads, with denormals flushed to zero (as
+/// Embree asks). An exception in a body stops the loop and is thrown here.
+void for_each_index(std::size_t count, const std::function<void(std::size_t)>& body);
+
+}  // namespace lightgrid

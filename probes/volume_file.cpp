@@ -1,0 +1,1 @@
+#include "probes/volume_file.h"
