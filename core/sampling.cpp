@@ -1,1 +1,74 @@
 #include "core/sampling.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/constants.hpp>
+#include <numeric>
+
+namespace lightgrid {
+
+glm::vec3 sphere_direction(glm::vec2 u) noexcept {
+    const float y = 1 - 2 * u.x;
+    const float radius = std::sqrt(std::max(0.0F, 4 * u.x * (1 - u.x)));  // sqrt(1 - y^2) without cancellation
+    const float phi = glm::two_pi<float>() * u.y;
+    return {radius * std::cos(phi), y, radius * std::sin(phi)};
+}
+
+glm::vec3 cosine_direction(glm::vec3 normal, glm::vec2 u) noexcept {
+    // Orthonormal frame without branches on the axis: Duff et al., "Building an Orthonormal Basis, Revisited", 2017.
+    const float sign = std::copysign(1.0F, normal.z);
+    const float a = -1 / (sign + normal.z);
+    const float b = normal.x * normal.y * a;
+    const glm::vec3 tangent(1 + sign * normal.x * normal.x * a, sign * b, -sign * normal.x);
+    const glm::vec3 bitangent(b, sign + normal.y * normal.y * a, -normal.y);
+
+    const float radius = std::sqrt(u.x);
+    const float phi = glm::two_pi<float>() * u.y;
+    const float height = std::sqrt(1 - u.x);  // u.x <= 1 - 2^-24, so never zero
+    return radius * std::cos(phi) * tangent + radius * std::sin(phi) * bitangent + height * normal;
+}
+
+glm::vec2 triangle_point(glm::vec2 u) noexcept {
+    const float root = std::sqrt(u.x);
+    return {root * (1 - u.y), root * u.y};
+}
+
+AliasTable::AliasTable(std::span<const double> weights) : bins_(weights.size()) {
+    const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
+    if (!(sum > 0)) {
+        bins_.clear();
+        return;
+    }
+    const auto count = static_cast<std::uint32_t>(weights.size());
+    std::vector<double> share(count);  // 1 on average
+    std::vector<std::uint32_t> small;
+    std::vector<std::uint32_t> large;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        bins_[i].probability = static_cast<float>(weights[i] / sum);
+        share[i] = weights[i] / sum * count;
+        (share[i] < 1 ? small : large).push_back(i);
+    }
+    while (!small.empty() && !large.empty()) {
+        const std::uint32_t low = small.back();
+        const std::uint32_t high = large.back();
+        small.pop_back();
+        bins_[low].threshold = static_cast<float>(share[low]);
+        bins_[low].alias = high;
+        share[high] -= 1 - share[low];
+        if (share[high] < 1) {
+            large.pop_back();
+            small.push_back(high);
+        }
+    }
+    for (const std::uint32_t i : small) bins_[i].alias = i;  // left by rounding: shares of 1
+    for (const std::uint32_t i : large) bins_[i].alias = i;
+}
+
+std::uint32_t AliasTable::sample(float u) const noexcept {
+    const auto count = static_cast<std::uint32_t>(bins_.size());
+    const double scaled = static_cast<double>(u) * count;
+    const std::uint32_t index = std::min(static_cast<std::uint32_t>(scaled), count - 1);
+    return scaled - index < bins_[index].threshold ? index : bins_[index].alias;
+}
+
+}  // namespace lightgrid

@@ -1,1 +1,132 @@
 #include "probes/gather.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <mutex>
+
+#include "core/parallel.h"
+#include "core/sh.h"
+
+namespace lightgrid {
+namespace {
+
+constexpr std::array<glm::vec3, 6> axes = {{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}}};
+
+/// Points that are worth a task of their own, replicate by replicate; fewer are spread over replicates too.
+constexpr std::size_t many_points = 1024;
+
+}  // namespace
+
+std::span<const glm::vec3> axis_normals() noexcept { return axes; }
+
+GatherSums::GatherSums(const PathTracer& paths, std::vector<glm::vec3> points, GatherOptions options)
+    : paths_(&paths), points_(std::move(points)), options_(std::move(options)) {
+    const auto coefficients = static_cast<std::size_t>(sh_size(options_.bands));
+    values_per_point_ = coefficients + options_.normals_per_point() + axes.size();
+    moments_.resize(points_.size() * values_per_point_);
+    punctual_.resize(moments_.size());
+    if (!paths.estimators().lights) return;
+    std::vector<PathCounts> counts(points_.size());
+    for_each_index(points_.size(), [&](std::size_t i) {
+        std::vector<LightSample> light;
+        paths_->gather_punctual(points_[i], light, counts[i]);
+        project(i, light, std::span(punctual_).subspan(i * values_per_point_, values_per_point_));
+    });
+    for (const PathCounts& count : counts) counts_ += count;
+}
+
+void GatherSums::project(std::size_t point, std::span<const LightSample> light, std::span<glm::dvec3> values) const {
+    const auto coefficients = static_cast<std::size_t>(sh_size(options_.bands));
+    const std::size_t normals = options_.normals_per_point();
+    const glm::vec3* normal = options_.normals.data() + (options_.one_normal_each ? point : 0);
+    std::array<float, static_cast<std::size_t>(sh_size(max_sh_bands))> storage;
+    const std::span basis(storage.data(), coefficients);
+    for (const LightSample& sample : light) {
+        const glm::dvec3 radiance(sample.radiance);
+        sh_basis(options_.bands, sample.direction, basis);
+        for (std::size_t i = 0; i < coefficients; ++i) values[i] += radiance * static_cast<double>(basis[i]);
+        for (std::size_t k = 0; k < normals; ++k) {
+            const float cosine = glm::dot(normal[k], sample.direction);
+            if (cosine > 0) values[coefficients + k] += radiance * static_cast<double>(cosine);
+        }
+    }
+    std::vector<glm::vec3> sh(coefficients);
+    for (std::size_t i = 0; i < coefficients; ++i) sh[i] = glm::vec3(values[i]);
+    for (std::size_t axis = 0; axis < axes.size(); ++axis) {
+        values[coefficients + normals + axis] = glm::dvec3(irradiance_from_sh(sh, axes[axis]));
+    }
+}
+
+void GatherSums::add_replicates(std::uint32_t count, const std::function<void(std::size_t)>& done) {
+    const std::size_t round = points_.size() >= many_points ? 1 : count;
+    std::vector<glm::dvec3> values(round * moments_.size());
+    std::size_t gathered = 0;
+    std::mutex mutex;
+    for (std::uint32_t start = 0; start < count; start += static_cast<std::uint32_t>(round)) {
+        const std::size_t now = std::min<std::size_t>(round, count - start);
+        std::fill(values.begin(), values.end(), glm::dvec3(0));
+        for_each_index(now * points_.size(), [&](std::size_t task) {
+            const std::size_t point = task / now;
+            const std::size_t replicate = task % now;
+            PathCounts counts;
+            std::vector<LightSample> light;
+            const std::uint64_t key = mix_bits(mix_bits(mix_bits(options_.seed, 1), point), replicates_ + replicate);
+            paths_->gather(points_[point], key, options_.samples_per_replicate(), light, counts);
+            project(point, light, std::span(values).subspan((replicate * points_.size() + point) * values_per_point_,
+                                                            values_per_point_));
+            const std::lock_guard lock(mutex);
+            counts_ += counts;
+            if (done) done(++gathered);
+        });
+        for (std::size_t replicate = 0; replicate < now; ++replicate) {
+            const glm::dvec3* value = values.data() + replicate * moments_.size();
+            for (std::size_t i = 0; i < moments_.size(); ++i) {
+                Moments& moments = moments_[i];
+                if (replicates_ == 0) moments.first = value[i];
+                const glm::dvec3 deviation = value[i] - moments.first;
+                moments.sum += deviation;
+                moments.squares += deviation * deviation;
+            }
+            ++replicates_;
+        }
+    }
+}
+
+Gather GatherSums::result() const {
+    const auto coefficients = static_cast<std::size_t>(sh_size(options_.bands));
+    Gather gather;
+    gather.bands = options_.bands;
+    gather.normals = options_.normals_per_point();
+    gather.coefficients.reserve(points_.size() * coefficients);
+    gather.irradiance.reserve(points_.size() * gather.normals);
+    gather.axis_irradiance.reserve(points_.size() * axes.size());
+    const double n = std::max(1U, replicates_);
+    const auto estimate = [&](std::size_t i) {
+        const Moments& moments = moments_[i];
+        Estimate result;
+        result.mean = punctual_[i] + moments.first + moments.sum / n;
+        if (n > 1) {
+            const glm::dvec3 variance = (moments.squares - moments.sum * moments.sum / n) / (n - 1);
+            result.error = glm::sqrt(glm::max(variance, 0.0) / n);
+        }
+        return result;
+    };
+    for (std::size_t point = 0; point < points_.size(); ++point) {
+        std::size_t i = point * values_per_point_;
+        for (std::size_t k = 0; k < coefficients; ++k) gather.coefficients.push_back(estimate(i++));
+        for (std::size_t k = 0; k < gather.normals; ++k) gather.irradiance.push_back(estimate(i++));
+        for (std::size_t k = 0; k < axes.size(); ++k) gather.axis_irradiance.push_back(estimate(i++));
+    }
+    return gather;
+}
+
+Gather gather(const PathTracer& paths, std::vector<glm::vec3> points, const GatherOptions& options,
+              PathCounts* counts) {
+    GatherSums sums(paths, std::move(points), options);
+    sums.add_replicates(options.replicates);
+    if (counts != nullptr) *counts += sums.counts();
+    return sums.result();
+}
+
+}  // namespace lightgrid

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "core/sampling.h"
+#include "core/tracer.h"
+
+namespace lightgrid {
+
+/// All emitting triangles of a level, to be sampled in proportion to their power.
+class Emitters {
+  public:
+    struct Sample {
+        SurfaceId id;
+        glm::vec3 position{0};  // off the surface, on the emitting side that the receiver sees
+        glm::vec3 radiance{0};  // towards the receiver; 0 where it sees a dark side
+        float pdf = 0;          // per steradian at the receiver
+    };
+
+    explicit Emitters(const Tracer& tracer);
+
+    [[nodiscard]] bool empty() const noexcept { return table_.empty(); }
+    [[nodiscard]] std::size_t size() const noexcept { return triangles_.size(); }
+
+    /// A point on an emitter, as seen from `receiver`. u: three numbers in [0, 1), the first picks the triangle.
+    [[nodiscard]] Sample sample(glm::vec3 receiver, glm::vec3 u) const noexcept;
+    /// Density of `sample` for the point that a ray from `receiver` met, per steradian.
+    [[nodiscard]] float pdf(glm::vec3 receiver, const Hit& hit, const Surface& surface) const noexcept;
+
+  private:
+    struct Triangle {
+        SurfaceId id;
+        double area;
+    };
+
+    [[nodiscard]] float pdf_by_area(std::uint32_t index) const noexcept;
+
+    const Tracer* tracer_;
+    std::vector<Triangle> triangles_;
+    AliasTable table_;
+    // Index of the first triangle of a geometry in triangles_, or none: [0] those placed once, [1 + i] instance i.
+    std::vector<std::vector<std::uint32_t>> first_;
+};
+
+}  // namespace lightgrid
