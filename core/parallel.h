@@ -2,10 +2,12 @@
 
 #include <cstddef>
 #include <functional>
+#include <memory>
 
 namespace lightgrid {
 
-/// How many threads the library may use from now on, until the returned object dies. 0: all of the machine.
+/// How many threads the library may use from now on, until the returned object dies. 0: all of the machine. Of several
+/// limits alive at once the smallest counts.
 class ThreadLimit {
   public:
     explicit ThreadLimit(int threads);
@@ -15,13 +17,14 @@ class ThreadLimit {
 
   private:
     struct Control;
-    Control* control_;
+    std::unique_ptr<Control> control_;
 };
 
 [[nodiscard]] int thread_count();
 
 /// Calls body(i) for every i in [0, count), in any order, on all allowed threads, with denormals flushed to zero (as
-/// Embree asks). An exception in a body stops the loop and is thrown here.
+/// Embree asks); the caller's own floating-point mode is what it was afterwards. An exception in a body stops the loop
+/// and is thrown here.
 void for_each_index(std::size_t count, const std::function<void(std::size_t)>& body);
 
 }  // namespace lightgrid

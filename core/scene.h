@@ -1,12 +1,13 @@
 #pragma once
 
-#include <cstdint>
+#include "core/image.h"
+
 #include <glm/glm.hpp>
+
+#include <cstdint>
 #include <limits>
 #include <string>
 #include <vector>
-
-#include "core/image.h"
 
 /// The level as plain data: what light needs to know of it and nothing else. Lengths are metres, axes glTF's (+Y up).
 namespace lightgrid {
@@ -35,8 +36,8 @@ struct Texture {
 
 /// A use of a texture: which one, read through which UV set, transformed how (KHR_texture_transform).
 struct TextureUse {
-    int texture = -1;  // index in Scene::textures; -1: none
-    int uv_set = 0;    // index in Mesh::uv_sets
+    int texture = -1;                         // index in Scene::textures; -1: none
+    int uv_set = 0;                           // index in Mesh::uv_sets
     glm::mat3x2 transform{1, 0, 0, 1, 0, 0};  // uv' = transform * (u, v, 1)
 
     [[nodiscard]] bool used() const { return texture >= 0; }
@@ -52,11 +53,11 @@ struct Material {
     AlphaMode alpha_mode = AlphaMode::opaque;
     float alpha = 1;  // factor
     float alpha_cutoff = 0.5F;
-    float transmission = 0;             // KHR_materials_transmission: share that passes straight on, tinted by base colour
-    TextureUse transmission_texture;    // linear, red channel
-    glm::vec3 emission{0};              // radiance, cd/m^2, factor and strength together
-    TextureUse emission_texture;        // sRGB
-    bool double_sided = false;          // emits from both sides
+    float transmission = 0;  // KHR_materials_transmission: share that passes straight on, tinted by base colour
+    TextureUse transmission_texture;  // linear, red channel
+    glm::vec3 emission{0};            // radiance, cd/m^2, factor and strength together
+    TextureUse emission_texture;      // sRGB
+    bool double_sided = false;        // emits from both sides
 
     [[nodiscard]] bool emits() const { return emission != glm::vec3(0); }
     /// Light may pass through: MASK, BLEND or transmission.
@@ -90,13 +91,14 @@ struct Instance {
 enum class LightKind : std::uint8_t { directional, point, spot };
 
 /// KHR_lights_punctual. intensity: lux for directional, cd for point and spot.
-/// Range window: max(min(1 - (d / range)^4, 1), 0) / d^2. Cone: clamp((cos - cos_outer) / max(0.001, cos_inner - cos_outer))^2.
+/// Range window: max(min(1 - (d / range)^4, 1), 0) / d^2. Cone: clamp((cos - cos_outer) / max(0.001, cos_inner -
+/// cos_outer))^2.
 struct Light {
     std::string name;
     LightKind kind = LightKind::point;
     glm::vec3 intensity{0};
-    glm::vec3 position{0};           // relative to Scene::origin
-    glm::vec3 direction{0, 0, -1};   // the way the light travels, unit length
+    glm::vec3 position{0};          // relative to Scene::origin
+    glm::vec3 direction{0, 0, -1};  // the way the light travels, unit length
     float range = std::numeric_limits<float>::infinity();
     float cos_inner = 1;
     float cos_outer = 0.70710678F;
@@ -128,16 +130,18 @@ struct Scene {
 
 /// What a light path reads at a point of a surface.
 struct SurfacePoint {
-    glm::vec3 albedo{0};    // base colour in [0, max_albedo]
-    glm::vec3 tint{1};      // base colour, unclamped above by max_albedo: what transmission is multiplied by, in [0, 1]
-    float alpha = 1;        // BLEND opacity; MASK has been decided already: 0 or 1
-    float transmission = 0; // share of the opaque part that passes straight on
-    glm::vec3 emission{0};  // radiance from an emitting side, not yet times alpha
+    glm::vec3 albedo{0};  // base colour in [0, max_albedo]
+    glm::vec3 tint{1};    // base colour, unclamped above by max_albedo: what transmission is multiplied by, in [0, 1]
+    float alpha = 1;      // BLEND opacity; MASK has been decided already: 0 or 1
+    float transmission = 0;  // share of the opaque part that passes straight on
+    glm::vec3 emission{0};   // radiance from an emitting side, not yet times alpha
 };
 
 /// Interpolates and looks up everything at barycentric coordinates (b1, b2) of a triangle: weights 1 - b1 - b2, b1, b2.
-[[nodiscard]] SurfacePoint surface_at(const Scene& scene, const Mesh& mesh, std::uint32_t triangle, glm::vec2 barycentric) noexcept;
+[[nodiscard]] SurfacePoint surface_at(const Scene& scene, const Mesh& mesh, std::uint32_t triangle,
+                                      glm::vec2 barycentric) noexcept;
 /// Only the alpha of it (after the cut-off for MASK), for shadow and alpha tests.
-[[nodiscard]] float alpha_at(const Scene& scene, const Mesh& mesh, std::uint32_t triangle, glm::vec2 barycentric) noexcept;
+[[nodiscard]] float alpha_at(const Scene& scene, const Mesh& mesh, std::uint32_t triangle,
+                             glm::vec2 barycentric) noexcept;
 
 }  // namespace lightgrid
