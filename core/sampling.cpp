@@ -3,9 +3,34 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
+#include <glm/gtc/quaternion.hpp>
 #include <numeric>
 
 namespace lightgrid {
+
+std::vector<glm::vec3> even_directions(std::uint32_t count) {
+    const double golden = glm::golden_ratio<double>() - 1;
+    std::vector<glm::vec3> directions;
+    directions.reserve(count);
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const double y = 1 - (2.0 * i + 1) / count;
+        const double radius = std::sqrt((1 - y) * (1 + y));
+        const double turns = i * golden;
+        const double phi = glm::two_pi<double>() * (turns - std::floor(turns));
+        directions.emplace_back(radius * std::cos(phi), y, radius * std::sin(phi));
+    }
+    return directions;
+}
+
+glm::mat3 random_rotation(std::uint64_t key) noexcept {
+    RandomStream random(key);
+    const double u = random.next();
+    const glm::dvec2 angle = glm::two_pi<double>() * glm::dvec2(random.next2());
+    const double a = std::sqrt(1 - u);
+    const double b = std::sqrt(u);
+    return glm::mat3(glm::mat3_cast(
+        glm::dquat(b * std::cos(angle.y), a * std::sin(angle.x), a * std::cos(angle.x), b * std::sin(angle.y))));
+}
 
 glm::vec3 sphere_direction(glm::vec2 u) noexcept {
     const float y = 1 - 2 * u.x;

@@ -79,6 +79,14 @@ class RandomStream {
     return reverse_bits(scramble_reversed(reverse_bits(index), seed));
 }
 
+/// `count` directions spread evenly over the sphere, in the order of falling y: a Fibonacci lattice, wrapped by the
+/// area-preserving map (Marques et al., "Spherical Fibonacci Point Sets for Illumination Integrals", 2013).
+[[nodiscard]] std::vector<glm::vec3> even_directions(std::uint32_t count);
+
+/// A rotation uniform over all rotations (Shoemake, "Uniform Random Rotations", 1992): turns a fixed set of directions
+/// into one whose every direction alone is uniform on the sphere.
+[[nodiscard]] glm::mat3 random_rotation(std::uint64_t key) noexcept;
+
 /// Uniform on the sphere, area-preserving; u in [0, 1)^2. Density 1 / (4 pi).
 [[nodiscard]] glm::vec3 sphere_direction(glm::vec2 u) noexcept;
 

@@ -74,6 +74,7 @@ class GatherSums {
     const PathTracer* paths_;
     std::vector<glm::vec3> points_;
     GatherOptions options_;
+    std::vector<glm::vec3> directions_;     // of a replicate's gather rays, before they are turned
     std::size_t values_per_point_;          // coefficients, then irradiances, then the six axes
     std::vector<glm::dvec3> punctual_;      // the exact part, the same in every replicate
     std::vector<Moments> moments_;

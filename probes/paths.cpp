@@ -216,10 +216,11 @@ glm::vec3 PathTracer::radiance_along(glm::vec3 origin, glm::vec3 direction, Dime
     }
 }
 
-void PathTracer::gather(glm::vec3 point, std::uint64_t key, std::uint32_t samples, std::vector<LightSample>& out,
+void PathTracer::gather(glm::vec3 point, std::uint64_t key, std::span<const glm::vec3> even, std::vector<LightSample>& out,
                         PathCounts& counts, std::uint32_t most_bounces) const {
     const Vertex probe{point, nullptr, {}, {}};
-    const float share = 1 / static_cast<float>(samples);
+    const float share = 1 / static_cast<float>(even.size());
+    const glm::mat3 rotation = random_rotation(key);
     const auto add = [&](LightSample sample, float weight) {
         sample.radiance *= weight;
         if (!is_finite(sample.radiance)) {
@@ -228,9 +229,9 @@ void PathTracer::gather(glm::vec3 point, std::uint64_t key, std::uint32_t sample
         }
         if (sample.radiance != glm::vec3(0)) out.push_back(sample);
     };
-    for (std::uint32_t i = 0; i < samples; ++i) {
+    for (std::uint32_t i = 0; i < even.size(); ++i) {
         Dimensions dimensions(key, i);
-        const glm::vec3 direction = sphere_direction(dimensions.next2());
+        const glm::vec3 direction = rotation * even[i];
         if (use_.emitters) {
             const glm::vec2 where = dimensions.next2();
             add(from_emitters(probe, {dimensions.next(), where}, counts), share);

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <span>
 #include <vector>
 
 #include "core/environment.h"
@@ -52,13 +53,13 @@ class PathTracer {
     [[nodiscard]] const Emitters& emitters() const noexcept { return emitters_; }
 
     /// All light that arrives at `point` (relative to Scene::origin) but that which comes straight from punctual lights,
-    /// by `samples` uniform gather rays, each continued as a path, and as many samples of emitters and environment.
+    /// by gather rays along `even`, each continued as a path, and as many samples of emitters and environment.
     ///
     /// key           picks the random numbers: one per (seed, probe, replicate)
-    /// samples       at least 1; powers of two are distributed best
+    /// even          at least one direction, spread evenly over the sphere; the whole set is turned at random
     /// out           appended to
     /// most_bounces  paths end there; a limit makes the result too dark and is for rough looks only
-    void gather(glm::vec3 point, std::uint64_t key, std::uint32_t samples, std::vector<LightSample>& out,
+    void gather(glm::vec3 point, std::uint64_t key, std::span<const glm::vec3> even, std::vector<LightSample>& out,
                 PathCounts& counts, std::uint32_t most_bounces = unlimited) const;
 
     static constexpr std::uint32_t unlimited = 0xffffffffU;

@@ -1,0 +1,308 @@
+#include "probes/bake.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <glm/gtc/constants.hpp>
+
+#include "core/error.h"
+#include "core/parallel.h"
+#include "core/sh.h"
+#include "probes/half_storage.h"
+
+namespace lightgrid {
+namespace {
+
+constexpr std::size_t pilot_points = 64;
+constexpr std::uint32_t pilot_samples = 64;
+/// Rough looks at a point's light need no long paths, and sealed cavities of white walls would never end them.
+constexpr std::uint32_t pilot_bounces = 16;
+/// Of the level's median: a point that sees back faces all round but this much light is in a shell wound inside out.
+constexpr double lit_share = 0.05;
+/// Of the gather rays, for the reference at held-out points.
+constexpr double reference_share = 0.25;
+
+class Stopwatch {
+  public:
+    [[nodiscard]] double seconds() const {
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    }
+
+  private:
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// Luminance of the mean radiance that arrives at a point, from a few short paths.
+double rough_light(const PathTracer& paths, glm::vec3 point, std::uint64_t key, PathCounts& counts) {
+    std::vector<LightSample> light;
+    static const std::vector<glm::vec3> directions = even_directions(pilot_samples);
+    paths.gather(point, key, directions, light, counts, pilot_bounces);
+    paths.gather_punctual(point, light, counts);
+    double sum = 0;
+    for (const LightSample& sample : light) sum += luminance(sample.radiance);
+    return sum / (4 * glm::pi<double>());
+}
+
+/// Light at some of the probes and what it cost, before anything is decided.
+struct Pilot {
+    double median_light = 0;
+    double rays_per_sample = 0;     // of full-length paths
+    double seconds_per_sample = 0;  // on all threads together
+    PathCounts counts;
+};
+
+Pilot run_pilot(const PathTracer& paths, const Volume& volume, std::uint64_t seed) {
+    const glm::dvec3 origin = paths.tracer().scene().origin;
+    std::vector<std::size_t> slots;
+    for (std::size_t slot = 0; slot < volume.slots(); ++slot) {
+        if (volume.states[slot] != ProbeState::absent) slots.push_back(slot);
+    }
+    const std::size_t count = std::min(pilot_points, slots.size());
+    std::vector<double> light(count);
+    std::vector<PathCounts> counts(count);
+    const Stopwatch watch;
+    for_each_index(count, [&](std::size_t i) {
+        const glm::vec3 point(lattice_position(volume, slots[i * slots.size() / count]) - origin);
+        light[i] = rough_light(paths, point, mix_bits(mix_bits(seed, 5), i), counts[i]);
+    });
+    Pilot pilot;
+    const auto samples = static_cast<double>(count * pilot_samples);
+    pilot.seconds_per_sample = watch.seconds() / samples;
+    for (const PathCounts& c : counts) pilot.counts += c;
+    pilot.rays_per_sample = static_cast<double>(pilot.counts.rays + pilot.counts.shadow_rays) / samples;
+    std::erase(light, 0.0);
+    if (!light.empty()) {
+        const auto middle = light.begin() + static_cast<std::ptrdiff_t>(light.size() / 2);
+        std::nth_element(light.begin(), middle, light.end());
+        pilot.median_light = *middle;
+    }
+    return pilot;
+}
+
+LightEvidence light_evidence(const PathTracer& paths, double least_light, std::uint64_t seed) {
+    return [&paths, least_light, seed](glm::vec3 point) {
+        PathCounts counts;
+        return rough_light(paths, point, mix_bits(seed, 6), counts) > least_light;
+    };
+}
+
+std::string percent(double share) { return fmt::format("{:.0f} %", 100 * share); }
+
+/// What this level gives no reason to do.
+std::vector<LeftOut> unused_estimators(const PathTracer& paths) {
+    const Estimators& use = paths.estimators();
+    const Scene& scene = paths.tracer().scene();
+    std::vector<LeftOut> left_out;
+    if (!use.emitters) left_out.push_back({"sampling of emissive surfaces", "no surface emits", "a shadow ray per path vertex"});
+    if (!use.sky) {
+        left_out.push_back({"environment look-ups", "the environment is black", "a look-up per ray that leaves"});
+    } else if (!use.environment) {
+        left_out.push_back({"importance sampling of the environment", "its radiance is the same from everywhere",
+                            "a shadow ray per path vertex, and its tables"});
+    }
+    if (!use.lights) left_out.push_back({"punctual lights", "the level has none", "a shadow ray per path vertex"});
+    if (!use.reflection) left_out.push_back({"reflected light", "every surface is black", "all bounces"});
+    std::size_t opaque = 0;
+    for (const Mesh& mesh : scene.meshes) opaque += scene.materials[mesh.material].passes_light() ? 0 : 1;
+    if (opaque > 0) {
+        left_out.push_back({fmt::format("alpha tests on {} of {} meshes", opaque, scene.meshes.size()),
+                            "their materials let no light pass", "a look-up per ray that meets them"});
+    }
+    return left_out;
+}
+
+void choose_samples(BakePlan& plan, const BakeOptions& options, const Pilot& pilot) {
+    if (options.samples) {
+        plan.samples = *options.samples;
+        plan.why_samples = "as asked";
+        return;
+    }
+    const double affordable =
+        default_ray_budget / (pilot.rays_per_sample * std::max<double>(1, static_cast<double>(plan.points.size())));
+    plan.samples = default_samples;
+    plan.why_samples = "default";
+    const std::uint32_t least = 4 * GatherOptions{}.replicates;
+    while (plan.samples > least && plan.samples > affordable) plan.samples /= 2;
+    if (plan.samples < default_samples) {
+        plan.why_samples = fmt::format("{} would trace more than {:.0f} million rays; ask for more with --samples",
+                                       default_samples, default_ray_budget / 1e6);
+    }
+}
+
+HeldOutOptions held_out_options(const BakePlan& plan, const BakeOptions& options) {
+    HeldOutOptions result;
+    const double rays = reference_share * static_cast<double>(plan.points.size()) * plan.samples / 2;
+    result.points = std::clamp<std::size_t>(plan.points.size() / 16, 32, 256);
+    result.samples = static_cast<std::uint32_t>(
+        std::max(rays / static_cast<double>(result.points), static_cast<double>(std::min(plan.samples, 256U))));
+    result.bands = options.bands;
+    result.seed = options.seed;
+    return result;
+}
+
+/// Light of the gathered probes into the volume; the others keep what they have.
+void store(const Gather& gather, const std::vector<std::size_t>& slots, Volume& volume) {
+    const std::size_t n = volume.sh_size();
+    for (std::size_t i = 0; i < slots.size(); ++i) {
+        for (std::size_t k = 0; k < n; ++k) {
+            volume.coefficients[slots[i] * n + k] = glm::vec3(gather.sh(i)[k].mean);
+            volume.errors[slots[i] * n + k] = glm::vec3(gather.sh(i)[k].error);
+        }
+        for (std::size_t k = 0; k < 6; ++k) {
+            volume.axis_errors[slots[i] * 6 + k] = glm::vec3(gather.axis_irradiance[i * 6 + k].error);
+        }
+    }
+}
+
+/// Root of the summed variance of irradiance over its summed square, over all directions of all gathered probes.
+ErrorPart noise_at_probes(const Gather& gather) {
+    double variance = 0;
+    double energy = 0;
+    for (std::size_t i = 0; i < gather.coefficients.size(); ++i) {
+        const int k = static_cast<int>(i) % sh_size(gather.bands);
+        const double lobe = cosine_lobe(static_cast<int>(std::sqrt(k + 0.5)));
+        const Estimate& estimate = gather.coefficients[i];
+        variance += lobe * lobe * glm::dot(estimate.error, estimate.error);
+        energy += lobe * lobe * glm::dot(estimate.mean, estimate.mean);
+    }
+    ErrorPart noise;
+    if (energy > 0) noise.relrmse = std::sqrt(variance / energy);
+    noise.interval = {noise.relrmse, noise.relrmse};
+    return noise;
+}
+
+}  // namespace
+
+BakePlan plan_bake(const PathTracer& paths, const BakeOptions& options) {
+    const Stopwatch watch;
+    const Scene& scene = paths.tracer().scene();
+    BakePlan plan;
+    if (options.probes) {
+        plan.volume = make_probe_list(*options.probes, options.bands);
+        plan.why_spacing = "a list: gathered exactly where it is";
+    } else {
+        GridChoice choice = choose_grids(scene, options.placement);
+        plan.why_spacing = choice.why;
+        plan.volume = choice.grids.empty() ? make_probe_list({scene.origin}, options.bands)
+                                           : make_volume(std::move(choice.grids), options.bands);
+    }
+
+    const Pilot pilot = run_pilot(paths, plan.volume, options.seed);
+    plan.least_light = lit_share * pilot.median_light;
+    plan.placement =
+        place_probes(plan.volume, paths.tracer(), light_evidence(paths, plan.least_light, options.seed));
+    for (std::size_t slot = 0; slot < plan.volume.slots(); ++slot) {
+        // A list is gathered even where it is inside something: its owner asked for just these places.
+        const bool wanted = plan.volume.has_cells() ? is_valid(plan.volume.states[slot]) : true;
+        if (!wanted) continue;
+        plan.slots.push_back(slot);
+        plan.points.emplace_back(gather_position(plan.volume, slot) - scene.origin);
+    }
+    choose_samples(plan, options, pilot);
+
+    plan.left_out = scene.left_out;
+    for (LeftOut& item : unused_estimators(paths)) plan.left_out.push_back(std::move(item));
+    if (plan.volume.has_cells() && plan.placement.invalid > 0) {
+        plan.left_out.push_back(
+            {fmt::format("gathers of {} probes inside solids", plan.placement.invalid),
+             fmt::format("of {} rays around each nearly all met near back faces, none of them light",
+                         plan.placement.rays / std::max<std::uint64_t>(1, plan.volume.slots())),
+             fmt::format("about {:.3g} million rays", static_cast<double>(plan.placement.invalid) * plan.samples *
+                                                          pilot.rays_per_sample * 1e-6)});
+    }
+    const double gathers = static_cast<double>(plan.points.size()) * plan.samples;
+    plan.seconds_estimate = gathers * pilot.seconds_per_sample * (options.measure_error ? 1 + reference_share : 1);
+    const std::size_t values = plan.volume.sh_size() + 6;
+    plan.bytes_estimate = static_cast<double>(plan.points.size() * values * 4 * sizeof(glm::dvec3) +
+                                              plan.volume.slots() * (2 * plan.volume.sh_size() + 6) * sizeof(glm::vec3));
+    plan.stages.push_back({"place", watch.seconds(),
+                           plan.placement.rays + pilot.counts.rays + pilot.counts.shadow_rays});
+    return plan;
+}
+
+BakeResult run_bake(const PathTracer& paths, const BakePlan& plan, const BakeOptions& options,
+                    const Progress& progress) {
+    BakeResult result;
+    result.volume = plan.volume;
+    result.left_out = plan.left_out;
+    result.stages = plan.stages;
+    Volume& volume = result.volume;
+
+    HeldOut held_out;
+    if (!volume.has_cells()) {
+        result.no_error_because = "a list has no cells to interpolate in: only the noise at the probes is known";
+    } else if (!options.measure_error) {
+        result.no_error_because = "not asked for: only the noise at the probes is known";
+    } else {
+        const Stopwatch watch;
+        if (progress) progress("reference", 0, 0);
+        held_out = trace_held_out(volume, paths, light_evidence(paths, plan.least_light, options.seed),
+                                  held_out_options(plan, options));
+        result.counts += held_out.counts;
+        result.stages.push_back({"reference", watch.seconds(), held_out.counts.rays + held_out.counts.shadow_rays});
+        if (held_out.points.empty()) result.no_error_because = "no free point was found in the volume";
+    }
+
+    GatherOptions gather_options;
+    gather_options.bands = options.bands;
+    gather_options.samples = plan.samples;
+    gather_options.seed = options.seed;
+    double seconds = 0;
+    Stopwatch setup;
+    GatherSums sums(paths, plan.points, gather_options);
+    seconds += setup.seconds();
+    const double all = static_cast<double>(plan.points.size()) * gather_options.replicates;
+    for (std::uint32_t target = 1; target <= gather_options.replicates; target *= 2) {
+        const Stopwatch watch;
+        const double before = static_cast<double>(plan.points.size()) * sums.replicates();
+        sums.add_replicates(target - sums.replicates(), [&](std::size_t done) {
+            if (progress) {
+                progress("gather", (before + static_cast<double>(done)) / all,
+                         sums.counts().rays + sums.counts().shadow_rays);
+            }
+        });
+        seconds += watch.seconds();
+        store(sums.result(), plan.slots, volume);
+        if (held_out.points.empty()) continue;
+        const ErrorPart total = measure_error(volume, held_out, 0).total;
+        result.curve.push_back({seconds, target * gather_options.samples_per_replicate(),
+                                sums.counts().rays + sums.counts().shadow_rays, total.relrmse, total.interval});
+    }
+    const Gather gathered = sums.result();
+    result.counts += sums.counts();
+    result.stages.push_back({"gather", seconds, sums.counts().rays + sums.counts().shadow_rays});
+    result.noise = noise_at_probes(gathered);
+
+    const Stopwatch finishing;
+    result.filled = volume.has_cells() ? fill_invalid(volume, paths.tracer()) : 0;
+    const StorageChoice storage = choose_storage(volume);
+    if (storage.half) {
+        store_as_half(volume);
+        result.storage_error = storage.irradiance_rms;
+        result.left_out.push_back({"float coefficients: half serves",
+                                   fmt::format("rounding adds at most {} of any brick's standard error",
+                                               percent(storage.worst_share)),
+                                   "half of the bytes"});
+    }
+    result.stages.push_back({"finish", finishing.seconds(), 0});
+
+    if (!held_out.points.empty()) {
+        const Stopwatch watch;
+        result.error = measure_error(volume, held_out, result.storage_error);
+        result.stages.push_back({"measure", watch.seconds(), 0});
+    }
+    volume.settings = {
+        {"level", paths.tracer().scene().name},
+        {"environment", options.environment.empty() ? "none" : options.environment},
+        {"method", "path"},
+        {"samples", fmt::format("{}", gather_options.samples_per_replicate() * gather_options.replicates)},
+        {"replicates", fmt::format("{}", gather_options.replicates)},
+        {"seed", fmt::format("{}", options.seed)},
+        {"spacing", plan.why_spacing},
+    };
+    return result;
+}
+
+}  // namespace lightgrid

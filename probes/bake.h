@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <glm/glm.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "probes/error_report.h"
+#include "probes/paths.h"
+#include "probes/placement.h"
+#include "probes/volume.h"
+
+/// The bake as a whole: plan_bake decides what will be done, run_bake does it.
+namespace lightgrid {
+
+struct BakeOptions {
+    PlacementOptions placement;
+    std::optional<std::vector<glm::dvec3>> probes;  // a list to gather exactly where it is, instead of grids
+    int bands = 3;
+    std::optional<std::uint32_t> samples;  // gather rays per probe; none: default_samples, or what the ray budget allows
+    std::uint64_t seed = 0;
+    bool measure_error = true;             // trace held-out points and report the error, at about a quarter of the cost
+    std::string environment;               // for the header: what lit the level besides its own lights
+};
+
+inline constexpr std::uint32_t default_samples = 1024;
+/// Where --samples is not given, fewer are taken rather than tracing more rays than this (about a minute on two cores).
+inline constexpr double default_ray_budget = 2.5e8;
+
+struct Stage {
+    std::string name;
+    double seconds = 0;
+    std::uint64_t rays = 0;
+};
+
+/// What will be baked, decided before the first gather.
+struct BakePlan {
+    Volume volume;                   // places and states; no light yet
+    std::vector<std::size_t> slots;  // probes to gather
+    std::vector<glm::vec3> points;   // where, relative to Scene::origin
+    std::uint32_t samples = 0;       // per probe
+    std::string why_spacing;
+    std::string why_samples;
+    PlacementCounts placement;
+    double least_light = 0;       // mean radiance above which a suspect point counts as lit
+    double seconds_estimate = 0;  // of gather and error measurement, from a pilot
+    double bytes_estimate = 0;    // of memory while baking
+    std::vector<LeftOut> left_out;
+    std::vector<Stage> stages;
+};
+
+struct CurvePoint {
+    double seconds = 0;  // of gathering, so far
+    std::uint32_t samples = 0;
+    std::uint64_t rays = 0;
+    double relrmse = 0;
+    Interval interval;
+};
+
+struct BakeResult {
+    Volume volume;
+    std::optional<ErrorReport> error;  // grids only, where asked for and where any free point was found
+    std::string no_error_because;      // why not
+    ErrorPart noise;                   // over all probes: always known
+    double storage_error = 0;          // lux, root mean square over probes and directions
+    std::vector<CurvePoint> curve;
+    std::vector<LeftOut> left_out;
+    std::vector<Stage> stages;
+    PathCounts counts;
+    std::size_t filled = 0;
+};
+
+/// stage, share done in [0, 1], rays so far in this stage. Called from any thread, one at a time.
+using Progress = std::function<void(const std::string& stage, double share, std::uint64_t rays)>;
+
+[[nodiscard]] BakePlan plan_bake(const PathTracer& paths, const BakeOptions& options);
+[[nodiscard]] BakeResult run_bake(const PathTracer& paths, const BakePlan& plan, const BakeOptions& options,
+                                  const Progress& progress = {});
+
+}  // namespace lightgrid

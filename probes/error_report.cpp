@@ -1,0 +1,210 @@
+#include "probes/error_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/constants.hpp>
+#include <numeric>
+
+#include "core/parallel.h"
+#include "core/sh.h"
+#include "probes/sampler.h"
+
+namespace lightgrid {
+namespace {
+
+constexpr std::size_t normals_per_point = 64;
+constexpr int resamplings = 1000;
+constexpr int most_tries_per_point = 64;
+constexpr std::size_t worst_listed = 5;
+
+/// Sums over the normals and colours of one point.
+struct PointSums {
+    double reference = 0;  // A B
+    double total = 0;
+    double noise = 0;
+    double bands = 0;
+    double interpolation = 0;
+};
+
+double component_sum(glm::dvec3 v) { return v.x + v.y + v.z; }
+
+std::vector<glm::vec3> even_normals() {
+    std::vector<glm::vec3> normals;
+    for (std::uint32_t i = 0; i < normals_per_point; ++i) normals.push_back(sphere_direction(sobol_point(i, 0)));
+    return normals;
+}
+
+/// Mean over all normals of the variance of irradiance that independent errors of the coefficients leave.
+double irradiance_variance(std::span<const glm::vec3> errors, int bands) {
+    double variance = 0;
+    for (int l = 0; l < bands; ++l) {
+        const double lobe = cosine_lobe(l);
+        for (int i = l * l; i < (l + 1) * (l + 1); ++i) {
+            const glm::dvec3 error(errors[static_cast<std::size_t>(i)]);
+            variance += lobe * lobe * component_sum(error * error);
+        }
+    }
+    return variance / (4 * glm::pi<double>());
+}
+
+double signed_root(double square) { return std::copysign(std::sqrt(std::abs(square)), square); }
+
+/// sqrt(sum part / sum reference) with its interval over resampled points.
+ErrorPart summarise(const std::vector<PointSums>& sums, double PointSums::*part) {
+    const auto ratio = [&](auto&& index) {
+        double numerator = 0;
+        double denominator = 0;
+        for (std::size_t i = 0; i < sums.size(); ++i) {
+            const PointSums& point = sums[index(i)];
+            numerator += point.*part;
+            denominator += point.reference;
+        }
+        return denominator > 0 ? signed_root(numerator / denominator) : 0.0;
+    };
+    ErrorPart result;
+    result.relrmse = ratio([](std::size_t i) { return i; });
+    std::vector<double> resampled;
+    RandomStream random(0);
+    for (int k = 0; k < resamplings; ++k) {
+        resampled.push_back(ratio([&](std::size_t) {
+            return std::min(sums.size() - 1, static_cast<std::size_t>(random.next() * static_cast<float>(sums.size())));
+        }));
+    }
+    std::sort(resampled.begin(), resampled.end());
+    result.interval = {resampled[resamplings * 25 / 1000], resampled[resamplings * 975 / 1000 - 1]};
+    return result;
+}
+
+double percentile(std::vector<double>& values, double share) {
+    const auto index = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+    std::nth_element(values.begin(), values.begin() + index, values.end());
+    return values[static_cast<std::size_t>(index)];
+}
+
+}  // namespace
+
+HeldOut trace_held_out(const Volume& volume, const PathTracer& paths, const LightEvidence& is_lit,
+                       const HeldOutOptions& options) {
+    const Tracer& tracer = paths.tracer();
+    const glm::dvec3 origin = tracer.scene().origin;
+    std::vector<double> sizes;
+    for (const Grid& grid : volume.grids) {
+        const glm::dvec3 size = glm::dvec3(grid.counts - 1) * grid.spacing;
+        sizes.push_back(std::max(size.x * size.y * size.z, 1e-300));
+    }
+    const AliasTable pick(sizes);
+
+    HeldOut held_out;
+    if (pick.empty()) return held_out;
+    std::vector<std::optional<glm::dvec3>> found(options.points);
+    for_each_index(options.points, [&](std::size_t i) {
+        RandomStream random(mix_bits(mix_bits(options.seed, 2), i));
+        for (int attempt = 0; attempt < most_tries_per_point && !found[i]; ++attempt) {
+            const Grid& grid = volume.grids[pick.sample(random.next())];
+            const glm::vec2 xy = random.next2();
+            const glm::dvec3 u(xy, random.next());
+            const glm::dvec3 place = grid.origin + u * glm::dvec3(grid.counts - 1) * grid.spacing;
+            const double clearance = 0.01 * std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z});
+            if (is_free(tracer, glm::vec3(place - origin), static_cast<float>(clearance), is_lit)) found[i] = place;
+        }
+    });
+    std::vector<glm::vec3> relative;
+    for (const auto& place : found) {
+        if (!place) continue;
+        held_out.points.push_back(*place);
+        relative.emplace_back(*place - origin);
+    }
+    if (relative.empty()) return held_out;
+
+    GatherOptions gather_options;
+    gather_options.bands = options.bands;
+    gather_options.samples = options.samples;
+    gather_options.normals = even_normals();
+    gather_options.seed = mix_bits(options.seed, 3);
+    held_out.a = gather(paths, relative, gather_options, &held_out.counts);
+    gather_options.seed = mix_bits(options.seed, 4);
+    held_out.b = gather(paths, relative, gather_options, &held_out.counts);
+    return held_out;
+}
+
+ErrorReport measure_error(const Volume& volume, const HeldOut& reference, double storage_error) {
+    ErrorReport report;
+    report.points = reference.points.size();
+    report.normals = normals_per_point;
+    if (reference.points.empty()) return report;
+
+    const Sampler sampler(volume);
+    const std::vector<glm::vec3> normals = even_normals();
+    const std::size_t n = volume.sh_size();
+    std::vector<PointSums> sums(report.points);
+    std::vector<double> mean_irradiance(report.points);
+    std::vector<std::vector<double>> differences(report.points);  // |dE| per normal and colour
+    for_each_index(report.points, [&](std::size_t i) {
+        const Sample interpolated = sampler.sample(reference.points[i]);
+        std::vector<glm::vec3> sh_a;
+        std::vector<glm::vec3> sh_b;
+        for (std::size_t k = 0; k < n; ++k) {
+            sh_a.emplace_back(reference.a.sh(i)[k].mean);
+            sh_b.emplace_back(reference.b.sh(i)[k].mean);
+        }
+        PointSums& sum = sums[i];
+        for (std::size_t k = 0; k < normals.size(); ++k) {
+            const glm::dvec3 a = reference.a.irradiance[i * normals.size() + k].mean;
+            const glm::dvec3 b = reference.b.irradiance[i * normals.size() + k].mean;
+            const glm::dvec3 truncated_a(irradiance_from_sh(sh_a, normals[k]));
+            const glm::dvec3 truncated_b(irradiance_from_sh(sh_b, normals[k]));
+            const glm::dvec3 ours(irradiance_from_sh(interpolated.sh, normals[k]));
+            sum.reference += component_sum(a * b);
+            sum.total += component_sum((ours - a) * (ours - b));
+            sum.bands += component_sum((a - truncated_a) * (b - truncated_b));
+            sum.interpolation += component_sum((truncated_a - ours) * (truncated_b - ours));
+            const glm::dvec3 mean = 0.5 * (a + b);
+            mean_irradiance[i] += component_sum(mean) / (3.0 * static_cast<double>(normals.size()));
+            for (int c = 0; c < 3; ++c) differences[i].push_back(std::abs(ours[c] - mean[c]));
+        }
+        for (const auto& [slot, weight] : sampler.corners(reference.points[i])) {
+            const auto errors = std::span(volume.errors).subspan(slot * n, n);
+            sum.noise += weight * weight * irradiance_variance(errors, volume.bands);
+        }
+        sum.noise *= static_cast<double>(normals.size());
+        sum.interpolation -= sum.noise;
+    });
+
+    report.total = summarise(sums, &PointSums::total);
+    report.noise = summarise(sums, &PointSums::noise);
+    report.bands = summarise(sums, &PointSums::bands);
+    report.interpolation = summarise(sums, &PointSums::interpolation);
+    const double reference_sum =
+        std::accumulate(sums.begin(), sums.end(), 0.0, [](double s, const PointSums& p) { return s + p.reference; });
+    if (reference_sum > 0) {
+        const double mean_square = reference_sum / static_cast<double>(report.points * normals.size() * 3);
+        report.storage.relrmse = storage_error / std::sqrt(mean_square);
+        report.storage.interval = {report.storage.relrmse, report.storage.relrmse};
+    }
+
+    std::vector<double> sorted = mean_irradiance;
+    const double floor = 0.01 * percentile(sorted, 0.5);
+    std::vector<double> relative;
+    for (std::size_t i = 0; i < report.points; ++i) {
+        const double scale = std::max(mean_irradiance[i], floor);
+        if (!(scale > 0)) continue;
+        double square = 0;
+        for (const double difference : differences[i]) {
+            relative.push_back(difference / scale);
+            square += relative.back() * relative.back();
+        }
+        report.worst.push_back(
+            {reference.points[i], std::sqrt(square / static_cast<double>(differences[i].size()))});
+    }
+    std::sort(report.worst.begin(), report.worst.end(),
+              [](const auto& x, const auto& y) { return x.relative_error > y.relative_error; });
+    if (report.worst.size() > worst_listed) report.worst.resize(worst_listed);
+    if (!relative.empty()) {
+        report.p50 = percentile(relative, 0.50);
+        report.p95 = percentile(relative, 0.95);
+        report.p99 = percentile(relative, 0.99);
+    }
+    return report;
+}
+
+}  // namespace lightgrid

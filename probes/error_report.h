@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "probes/gather.h"
+#include "probes/placement.h"
+#include "probes/volume.h"
+
+/// How wrong a volume is: measured at held-out points against the path tracer, and split by cause.
+///
+/// At every point x the reference comes as two independent halves A and B, so that its own noise does not count:
+///
+///     relRMSE^2 = sum (E_vol - A)(E_vol - B) / sum A B       over points, 64 normals, R, G, B
+///
+///     bands          (A - A_sh)(B - B_sh)             A_sh: irradiance of the truncated SH at x
+///     noise          sum_c w_c^2 sum_i A_l^2 var_i / (4 pi)   corners c with weights w_c; exact mean over all normals
+///     interpolation  (A_sh - E_vol)(B_sh - E_vol) - noise
+///     storage        noise-free: what rounding to half added
+///
+/// Points are the sampling unit: 95 % intervals are percentiles of 1,000 resamplings of points with replacement.
+namespace lightgrid {
+
+struct Interval {
+    double low = 0;
+    double high = 0;
+};
+
+/// A part of the error, as a share of the root mean square irradiance; negative where an unbiased estimate of its square is.
+struct ErrorPart {
+    double relrmse = 0;
+    Interval interval;
+};
+
+struct ErrorReport {
+    std::size_t points = 0;
+    std::size_t normals = 0;
+    ErrorPart total, noise, bands, interpolation, storage;
+    double p50 = 0, p95 = 0, p99 = 0;  // of |dE| / max(mean E at x, 1 % of the level's median E)
+    struct Worst {
+        glm::dvec3 position{0};
+        double relative_error = 0;  // root mean square over normals and colours, by the same measure
+    };
+    std::vector<Worst> worst;  // the largest few, worst first
+};
+
+/// Points that no probe knows of, with the path tracer's answer there.
+struct HeldOut {
+    std::vector<glm::dvec3> points;  // level coordinates
+    Gather a;                        // two independent halves
+    Gather b;
+    PathCounts counts;
+};
+
+struct HeldOutOptions {
+    std::size_t points = 128;
+    std::uint32_t samples = 4096;  // per point and half
+    int bands = 3;
+    std::uint64_t seed = 0;
+};
+
+/// Draws points uniformly in the free space of the volume's boxes and traces them. Empty where no free point was found.
+[[nodiscard]] HeldOut trace_held_out(const Volume& volume, const PathTracer& paths, const LightEvidence& is_lit,
+                                     const HeldOutOptions& options);
+
+/// storage_error: root mean square over the sphere of the irradiance that rounding changed, per probe (lux); 0 if none.
+[[nodiscard]] ErrorReport measure_error(const Volume& volume, const HeldOut& reference, double storage_error);
+
+}  // namespace lightgrid

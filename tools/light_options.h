@@ -1,0 +1,37 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/environment.h"
+
+namespace lightgrid {
+
+/// The light that a program adds to the level's own: the options that level-bake and `lightgrid reference` share.
+struct LightOptions {
+    std::string environment;
+    std::string layout = "auto";
+    double rotation_deg = 0;
+    double intensity = 1;
+    std::string sky;
+    std::string sun_sky;
+};
+
+void add_light_options(CLI::App& app, LightOptions& options);
+
+struct ChosenLight {
+    Environment environment;
+    std::string description;           // one line, with file names but no folders
+    std::vector<std::string> notices;  // what was assumed
+};
+
+/// Throws Error for values that make no sense and for files that cannot be read.
+[[nodiscard]] ChosenLight choose_light(const LightOptions& options);
+
+/// "1,2,3" as numbers; throws Error naming `option` unless there are `count` finite ones.
+[[nodiscard]] std::vector<double> parse_numbers(const std::string& text, std::size_t count, const std::string& option,
+                                                const std::string& example);
+
+}  // namespace lightgrid
