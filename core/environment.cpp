@@ -1,39 +1,343 @@
 #include "core/environment.h"
 
+#include "core/error.h"
+#include "core/sampling.h"
+
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace lightgrid {
+namespace {
+
+constexpr float pi = std::numbers::pi_v<float>;
+constexpr float uniform_pdf = 1 / (4 * pi);
+constexpr double brightest_power = 1e25;  // cd/m^2 sr; keeps sums over a row of pixels at a pole finite in float
+constexpr double faintest_power = 1e-25;  // far below, 1 / power would overflow: taken as black
+
+bool is_valid(glm::vec3 radiance) {
+    for (int i = 0; i < 3; ++i)
+        if (!(std::isfinite(radiance[i]) && radiance[i] >= 0)) return false;
+    return true;
+}
+
+Error bad_radiance(glm::vec3 radiance, const std::string& where) {
+    return Error(fmt::format("radiance is {}, {}, {}", radiance.r, radiance.g, radiance.b), where,
+                 "It has to be finite and not negative.");
+}
+
+/// Draws from the density (1 - x) a + x b on [0, 1], up to scale; a, b >= 0, not both 0. Written so that it neither
+/// cancels nor overflows.
+float sample_linear(float a, float b, float u) {
+    const float p = a / (a + b);
+    const float q = b / (a + b);
+    const float denominator = p + std::sqrt(p * p * (1 - u) + q * q * u);
+    return denominator > 0 ? std::min(u / denominator, 1.0F) : 0;
+}
+
+/// Buckets of a guide to a distribution of `count` intervals. A quarter as many buckets as intervals leaves about four
+/// neighbours to step over, which share a cache line.
+int guide_size(int count) {
+    return (count + 3) / 4;
+}
+
+/// Cut points of a distribution function (Chen and Asau, "On Generating Random Variates from an Empirical
+/// Distribution", 1974): for each bucket of [0, 1) the last interval that begins at or below its lower end.
+///
+/// cumulative  of i in [0, count]: non-decreasing, 0 at 0
+template <typename Cumulative>
+void make_guide(int count, Cumulative cumulative, std::uint32_t* guide) {
+    const int size = guide_size(count);
+    const double total = cumulative(count);
+    int interval = 0;
+    for (int bucket = 0; bucket < size; ++bucket) {
+        while (interval + 1 < count && cumulative(interval + 1) <= total * bucket / size) ++interval;
+        guide[bucket] = static_cast<std::uint32_t>(interval);
+    }
+}
+
+/// The interval that holds the share u in [0, 1) of the total, and where in it; expected cost O(1).
+struct Interval {
+    int index = 0;
+    float fraction = 0;  // in [0, 1]
+};
+
+template <typename Cumulative>
+Interval find_interval(int count, float total, float u, Cumulative cumulative, const std::uint32_t* guide) {
+    const float x = std::min(u, 0x1.fffffcp-1F) * total;  // rounds to below the total: the interval is not empty
+    const int size = guide_size(count);
+    int i = static_cast<int>(guide[std::min(static_cast<int>(u * static_cast<float>(size)), size - 1)]);
+    while (cumulative(i) > x) --i;  // rounding may have led one bucket too far
+    while (i + 1 < count && cumulative(i + 1) <= x) ++i;
+    return {i, (x - cumulative(i)) / (cumulative(i + 1) - cumulative(i))};
+}
+
+/// atan2 within 4e-7 rad, several times as fast as the exact one; 0 at the origin. Polynomial of degree 15 on [0, 1] by
+/// Remez' algorithm, summed pairwise for short dependency chains.
+float fast_atan2(float y, float x) {
+    const float ax = std::abs(x);
+    const float ay = std::abs(y);
+    const float larger = std::max(ax, ay);
+    const float a = larger > 0 ? std::min(ax, ay) / larger : 0;
+    const float s = a * a;
+    const float s2 = s * s;
+    const float low = (0.99999959F + s * -0.33330508F) + s2 * (0.19952198F + s * -0.13931889F);
+    const float high = (0.09693543F + s * -0.05653477F) + s2 * (0.02225369F + s * -0.00415384F);
+    float angle = a * (low + s2 * s2 * high);
+    if (ay > ax) angle = 0.5F * pi - angle;
+    if (x < 0) angle = pi - angle;
+    return std::copysign(angle, y);
+}
+
+float mix(float a, float b, float t) {
+    return a * (1 - t) + b * t;
+}
+
+}  // namespace
+
+double SunDisc::solid_angle() const {
+    const double sine = std::sin(0.5 * angular_radius);
+    return 4 * std::numbers::pi * sine * sine;
+}
 
 Environment Environment::uniform(glm::vec3 radiance) {
+    if (!is_valid(radiance)) throw bad_radiance(radiance, "sky");
     Environment environment;
     environment.uniform_ = radiance;
     return environment;
 }
 
+Environment Environment::from_image(RadianceImage image, float rotation_deg, float scale, std::optional<SunDisc> sun) {
+    const int width = image.width;
+    const int height = image.height;
+    if (width < 1 || height < 1 || image.pixels.size() != static_cast<std::size_t>(width) * height)
+        throw Error(fmt::format("an image of {} x {} with {} pixels", width, height, image.pixels.size()),
+                    "environment");
+    if (!(std::isfinite(scale) && scale >= 0))
+        throw Error(fmt::format("the intensity is {}", scale), "environment", "It has to be finite and not negative.");
+    if (!std::isfinite(rotation_deg))
+        throw Error(fmt::format("the rotation is {} degrees", rotation_deg), "environment", "It has to be finite.");
+
+    for (int y = 0; y < height; ++y) {
+        for (int x = 0; x < width; ++x) {
+            glm::vec3& pixel = image.at(x, y);
+            if (!is_valid(pixel)) throw bad_radiance(pixel, fmt::format("environment, pixel {}, {}", x, y));
+            pixel *= scale;
+        }
+    }
+
+    Environment environment;
+    const double rotation = std::remainder(static_cast<double>(rotation_deg), 360.0) * std::numbers::pi / 180;
+    double sun_power = 0;
+    if (sun) {
+        if (!is_valid(sun->radiance)) throw bad_radiance(sun->radiance, "environment, sun");
+        if (!(sun->angular_radius > 0 && sun->angular_radius <= pi / 2))
+            throw Error(fmt::format("the angular radius is {} rad", sun->angular_radius), "environment, sun",
+                        "It has to be above 0 and at most pi/2.");
+        const glm::dvec3 d = glm::normalize(glm::dvec3(sun->direction));
+        const double c = std::cos(rotation), s = std::sin(rotation);
+        sun->direction = glm::vec3(c * d.x + s * d.z, d.y, c * d.z - s * d.x);
+        sun->radiance *= scale;
+        sun_power = luminance(sun->radiance) * sun->solid_angle();
+    }
+    if (sun_power == 0 && std::all_of(image.pixels.begin(), image.pixels.end(),
+                                      [&](glm::vec3 pixel) { return pixel == image.pixels.front(); }))
+        return uniform(image.pixels.front());
+
+    environment.column_sums_.reserve(static_cast<std::size_t>(width + 1) * height);
+    std::vector<double> row_sums(height);
+    for (int y = 0; y < height; ++y) {
+        double sum = 0;
+        environment.column_sums_.push_back(0);
+        for (int x = 0; x < width; ++x) {
+            sum += 0.5 * (static_cast<double>(luminance(image.at(x, y))) + luminance(image.at((x + 1) % width, y)));
+            environment.column_sums_.push_back(static_cast<float>(sum));
+        }
+        row_sums[y] = sum;
+    }
+
+    double power = 0;
+    environment.rows_.resize(height + 1);
+    for (int row = 0; row <= height; ++row) {
+        const auto polar_angle = [&](int pixel_row) {  // of its centre
+            return std::numbers::pi * std::clamp(pixel_row + 0.5, 0.0, static_cast<double>(height)) / height;
+        };
+        const double top = row == 0 ? 0 : polar_angle(row - 1);
+        const double bottom = row == height ? std::numbers::pi : polar_angle(row);
+        const auto depth = [&](double angle) {
+            const double s = std::sin(0.5 * (2 * row <= height ? angle : std::numbers::pi - angle));
+            return 2 * s * s;
+        };
+        const double sum_above = row_sums[std::max(row - 1, 0)];
+        const double sum_below = row_sums[std::min(row, height - 1)];
+        environment.rows_[row] = {static_cast<float>(depth(top)), static_cast<float>(depth(bottom)),
+                                  static_cast<float>(power), static_cast<float>(sum_above),
+                                  static_cast<float>(sum_below)};
+        power += std::numbers::pi / width * std::abs(depth(top) - depth(bottom)) * (sum_above + sum_below);
+    }
+    const double whole = power + sun_power;
+    if (!(whole <= brightest_power))
+        throw Error(fmt::format("its radiance adds up to {:g} cd/m^2 sr", whole), "environment",
+                    fmt::format("Scale it down: at most {:g} can be computed with.", brightest_power));
+    if (whole < faintest_power) return {};
+
+    environment.image_power_ = static_cast<float>(power);
+    environment.row_guide_.resize(guide_size(height + 1));
+    make_guide(
+        height + 1, [&](int i) { return i > height ? environment.image_power_ : environment.rows_[i].cumulative; },
+        environment.row_guide_.data());
+    environment.column_guides_.resize(static_cast<std::size_t>(height) * guide_size(width));
+    for (int y = 0; y < height; ++y) {
+        const float* sums = environment.column_sums_.data() + static_cast<std::size_t>(y) * (width + 1);
+        make_guide(
+            width, [&](int i) { return sums[i]; },
+            environment.column_guides_.data() + static_cast<std::size_t>(y) * guide_size(width));
+    }
+
+    environment.image_ = std::move(image);
+    environment.inverse_power_ = static_cast<float>(1 / whole);
+    environment.columns_per_radian_ = static_cast<float>(width / (2 * std::numbers::pi));
+    environment.first_column_ = static_cast<float>(0.5 * width - 0.5 + width * rotation / (2 * std::numbers::pi));
+    if (sun_power > 0) {
+        environment.sun_ = *sun;
+        environment.sun_chord_squared_ = static_cast<float>(sun->solid_angle() / std::numbers::pi);
+        environment.sun_share_ = static_cast<float>(sun_power / whole);
+    }
+    return environment;
+}
+
 bool Environment::is_black() const noexcept {
-    return uniform_ == glm::vec3(0);
+    return rows_.empty() && uniform_ == glm::vec3(0);
 }
 
 bool Environment::is_uniform() const noexcept {
-    return true;
+    return rows_.empty();
 }
 
-glm::vec3 Environment::radiance(glm::vec3) const noexcept {
-    return uniform_;
+bool Environment::in_sun(glm::vec3 direction) const noexcept {
+    // By chord, not by cosine: the cosine of half a degree has only 17 bits left that differ from 1.
+    const glm::vec3 chord = direction - sun_.direction;
+    return glm::dot(chord, chord) <= sun_chord_squared_;
+}
+
+Environment::Place Environment::place_of(glm::vec3 direction) const noexcept {
+    const int width = image_.width;
+    const int height = image_.height;
+    const float from_axis_squared = direction.x * direction.x + direction.z * direction.z;
+    const float from_axis = std::sqrt(from_axis_squared);
+
+    Place place;
+    float column = fast_atan2(direction.z, direction.x) * columns_per_radian_ + first_column_;
+    const float columns = static_cast<float>(width);
+    column += column < 0 ? columns : column >= columns ? -columns : 0.0F;  // the rotation is at most half a turn
+    place.left = std::clamp(static_cast<int>(column), 0, width - 1);       // rounding can reach the width
+    place.right = place.left + 1 == width ? 0 : place.left + 1;
+    place.x = std::min(column - static_cast<float>(place.left), 1.0F);
+
+    const float row_coordinate = fast_atan2(from_axis, direction.y) * (static_cast<float>(height) / pi) + 0.5F;
+    const int row = std::clamp(static_cast<int>(row_coordinate), 0, height);
+    place.above = std::max(row - 1, 0);
+    place.below = std::min(row, height - 1);
+    place.y = std::clamp(row_coordinate - static_cast<float>(row), 0.0F, 1.0F);
+
+    const CellRow& cells = rows_[row];
+    const float height_above_equator = 2 * row <= height ? direction.y : -direction.y;
+    const float depth =
+        height_above_equator > 0 ? from_axis_squared / (1 + height_above_equator) : 1 - height_above_equator;
+    place.depth = std::clamp((depth - cells.depth_above) / (cells.depth_below - cells.depth_above), 0.0F, 1.0F);
+    return place;
+}
+
+Environment::Sample Environment::look_up(glm::vec3 direction) const noexcept {
+    if (is_uniform()) return {direction, uniform_, is_black() ? 0 : uniform_pdf};
+    const Place place = place_of(direction);
+    const auto in_row = [&](int row) {
+        return glm::mix(image_.at(place.left, row), image_.at(place.right, row), place.x);
+    };
+    const glm::vec3 above = in_row(place.above);
+    const glm::vec3 below = in_row(place.below);
+    Sample sample{direction, glm::mix(above, below, place.y),
+                  mix(luminance(above), luminance(below), place.depth) * inverse_power_};
+    if (in_sun(direction)) {
+        sample.radiance += sun_.radiance;
+        sample.pdf += luminance(sun_.radiance) * inverse_power_;
+    }
+    return sample;
+}
+
+glm::vec3 Environment::radiance(glm::vec3 direction) const noexcept {
+    return look_up(direction).radiance;
+}
+
+float Environment::pdf(glm::vec3 direction) const noexcept {
+    return look_up(direction).pdf;
+}
+
+/// Draws from the bilinear luminance: the row of cells and the depth in it; one of the two pixel rows that meet there,
+/// by what each contributes at that depth; and the place along it, between two pixels, by their linear mixture.
+glm::vec3 Environment::image_direction(glm::vec2 u) const noexcept {
+    const int width = image_.width;
+    const int height = image_.height;
+
+    const Interval in_rows = find_interval(
+        height + 1, image_power_, u.x, [&](int i) { return i > height ? image_power_ : rows_[i].cumulative; },
+        row_guide_.data());
+    const CellRow& cells = rows_[in_rows.index];
+    const int above = std::max(in_rows.index - 1, 0);
+    const int below = std::min(in_rows.index, height - 1);
+    const float t = sample_linear(cells.sum_above, cells.sum_below, in_rows.fraction);
+
+    int row = above;
+    if (above != below) {
+        const float from_above = (1 - t) * cells.sum_above;
+        const float share = from_above / (from_above + t * cells.sum_below);
+        if (u.y < share) {
+            u.y /= share;
+        } else {
+            u.y = (u.y - share) / (1 - share);
+            row = below;
+        }
+        u.y = std::min(u.y, 0x1.fffffep-1F);
+    }
+    const float* row_sums = column_sums_.data() + static_cast<std::size_t>(row) * (width + 1);
+    const Interval in_columns = find_interval(
+        width, row == above ? cells.sum_above : cells.sum_below, u.y, [&](int i) { return row_sums[i]; },
+        column_guides_.data() + static_cast<std::size_t>(row) * guide_size(width));
+    const int left = in_columns.index;
+    const int right = left + 1 == width ? 0 : left + 1;
+    const float x =
+        sample_linear(luminance(image_.at(left, row)), luminance(image_.at(right, row)), in_columns.fraction);
+
+    const float depth = mix(cells.depth_above, cells.depth_below, t);
+    const float y = 2 * in_rows.index <= height ? 1 - depth : depth - 1;
+    const float from_axis = std::sqrt(std::max(depth * (2 - depth), 0.0F));
+    const float azimuth = (static_cast<float>(left) + x - first_column_) / columns_per_radian_;
+    return {from_axis * std::cos(azimuth), y, from_axis * std::sin(azimuth)};
+}
+
+/// Uniform over the disc by solid angle.
+glm::vec3 Environment::sun_direction(glm::vec2 u) const noexcept {
+    const float depth = 0.5F * sun_chord_squared_ * u.x;  // 1 - cosine
+    const float from_axis = std::sqrt(depth * (2 - depth));
+    const float azimuth = 2 * pi * u.y;
+    // An orthonormal basis without a seam (Duff et al., "Building an Orthonormal Basis, Revisited", 2017).
+    const glm::vec3 n = sun_.direction;
+    const float sign = std::copysign(1.0F, n.z);
+    const float a = -1 / (sign + n.z);
+    const float b = n.x * n.y * a;
+    const glm::vec3 tangent(1 + sign * n.x * n.x * a, sign * b, -sign * n.x);
+    const glm::vec3 bitangent(b, sign + n.y * n.y * a, -n.y);
+    return (1 - depth) * n + from_axis * (std::cos(azimuth) * tangent + std::sin(azimuth) * bitangent);
 }
 
 Environment::Sample Environment::sample(glm::vec3 u) const noexcept {
     if (is_black()) return {};
-    const float y = 1 - 2 * u.x;
-    const float r = std::sqrt(std::max(0.0F, 1 - y * y));
-    const float phi = 2 * std::numbers::pi_v<float> * u.y;
-    return {{r * std::cos(phi), y, r * std::sin(phi)}, uniform_, std::numbers::inv_pi_v<float> / 4};
-}
-
-float Environment::pdf(glm::vec3) const noexcept {
-    return is_black() ? 0 : std::numbers::inv_pi_v<float> / 4;
+    const glm::vec2 place(u.y, u.z);
+    if (is_uniform()) return look_up(sphere_direction(place));
+    return look_up(u.x < sun_share_ ? sun_direction(place) : image_direction(place));
 }
 
 }  // namespace lightgrid

@@ -1,13 +1,18 @@
 #include "core/image.h"
 
 #include "core/error.h"
+#include "core/exr.h"
+#include "core/hdr.h"
+#include "core/whole_file.h"
 
 #include <fmt/format.h>
 #include <stb_image.h>
+#include <stb_image_write.h>
 #include <webp/decode.h>
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <memory>
@@ -169,6 +174,59 @@ glm::ivec2 image_size(std::span<const std::byte> bytes, const std::string& where
     if (stbi_info_from_memory(as_chars(bytes), static_cast<int>(bytes.size()), &size.x, &size.y, &channels) == 0)
         throw undecodable(format == Format::png ? "PNG" : "JPEG", stb_reason(), where);
     return size;
+}
+
+float decode_srgb(std::uint8_t value) noexcept {
+    static const std::array<float, 256> table = [] {
+        std::array<float, 256> linear{};
+        for (std::size_t i = 0; i < linear.size(); ++i) {
+            const double x = static_cast<double>(i) / 255;
+            linear[i] = static_cast<float>(x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4));
+        }
+        return linear;
+    }();
+    return table[value];
+}
+
+RadianceFile decode_radiance(std::span<const std::byte> bytes, const std::string& where) {
+    if (is_exr(bytes)) return decode_exr(bytes, where);
+    if (is_hdr(bytes)) return decode_hdr(bytes, where);
+    const ByteImage stored = decode_image(bytes, where);
+    RadianceFile file{{stored.width, stored.height, {}}, Envmap::unspecified, {}};
+    file.image.pixels.reserve(stored.pixels.size());
+    for (const glm::u8vec4 pixel : stored.pixels)
+        file.image.pixels.emplace_back(decode_srgb(pixel.r), decode_srgb(pixel.g), decode_srgb(pixel.b));
+    file.notices.push_back("8-bit image, decoded from sRGB: its brightest value is 1 cd/m^2");
+    return file;
+}
+
+RadianceFile read_radiance(const std::filesystem::path& path) {
+    const std::string bytes = read_whole_file(path);
+    return decode_radiance(std::as_bytes(std::span(bytes)), path.string());
+}
+
+void write_exr(const RadianceImage& image, const std::filesystem::path& path) {
+    write_whole_file(path, encode_exr(image));
+}
+
+void write_png(const ByteImage& image, const std::filesystem::path& path) {
+    const bool opaque =
+        std::all_of(image.pixels.begin(), image.pixels.end(), [](glm::u8vec4 pixel) { return pixel.a == 255; });
+    const int channels = opaque ? 3 : 4;
+    std::string samples;
+    samples.reserve(image.pixels.size() * channels);
+    for (const glm::u8vec4& pixel : image.pixels)
+        for (int c = 0; c < channels; ++c) samples.push_back(static_cast<char>(pixel[c]));
+
+    std::string file;
+    const auto append = [](void* out, void* data, int size) {
+        static_cast<std::string*>(out)->append(static_cast<const char*>(data), size);
+    };
+    if (stbi_write_png_to_func(append, &file, image.width, image.height, channels, samples.data(),
+                               image.width * channels) == 0)
+        throw Error(fmt::format("a PNG of {} x {} cannot be encoded", image.width, image.height), path.string(), "",
+                    Fault::work);
+    write_whole_file(path, file);
 }
 
 }  // namespace lightgrid
