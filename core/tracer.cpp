@@ -20,6 +20,7 @@ namespace {
 // Embree 3 and 4 differ in how a query's own filter is passed; everything else here is the same for both.
 #if RTC_VERSION_MAJOR >= 4
 using QueryContext = RTCRayQueryContext;
+constexpr RTCSceneFlags query_filter_flag = RTC_SCENE_FLAG_FILTER_FUNCTION_IN_ARGUMENTS;
 
 void intersect(RTCScene scene, QueryContext* context, RTCRayHit* ray) {
     RTCIntersectArguments arguments;
@@ -40,6 +41,7 @@ void occluded(RTCScene scene, QueryContext* context, RTCRay* ray, RTCFilterFunct
 void init(QueryContext* context) { rtcInitRayQueryContext(context); }
 #else
 using QueryContext = RTCIntersectContext;
+constexpr RTCSceneFlags query_filter_flag = RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION;
 
 void intersect(RTCScene scene, QueryContext* context, RTCRayHit* ray) { rtcIntersect1(scene, context, ray); }
 
@@ -130,18 +132,17 @@ Tracer::Corners corners_of(const Mesh& mesh, std::uint32_t triangle, const Insta
             instance->mirrored};
 }
 
-/// Triangles larger than this many times the median take their offset from that bound and rely on `source` alone.
+/// Triangles larger than this many times the median take their ray offset from that bound, and shadow rays that start on
+/// them are told to ignore them: Embree's rounding there grows with the triangle and would exceed small neighbours.
 constexpr float extent_limit_in_medians = 1024;
 
-/// Median over an even selection of triangles of their largest extent along an axis.
-float median_extent(const Scene& scene) {
-    constexpr std::size_t wanted = 65536;
+/// The largest extent along an axis of every triangle in the level, as placed.
+std::vector<float> triangle_extents(const Scene& scene) {
     std::vector<float> extents;
     const auto add = [&](int mesh_index, const Instance* instance) {
         const Mesh& mesh = scene.meshes[mesh_index];
-        const std::size_t stride = 1 + mesh.triangles.size() / (wanted / 16);
-        for (std::size_t i = 0; i < mesh.triangles.size(); i += stride) {
-            const auto [a, b, c, mirrored] = corners_of(mesh, static_cast<std::uint32_t>(i), instance);
+        for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+            const auto [a, b, c, mirrored] = corners_of(mesh, i, instance);
             extents.push_back(largest(glm::max(glm::max(a, b), c) - glm::min(glm::min(a, b), c)));
         }
     };
@@ -149,9 +150,13 @@ float median_extent(const Scene& scene) {
     for (const Instance& instance : scene.instances) {
         for (const int mesh : scene.models[instance.model].meshes) add(mesh, &instance);
     }
-    if (extents.empty()) return 0;
-    const auto middle = extents.begin() + static_cast<std::ptrdiff_t>(extents.size() / 2);
-    std::nth_element(extents.begin(), middle, extents.end());
+    return extents;
+}
+
+float median(std::vector<float> values) {
+    if (values.empty()) return 0;
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
     return *middle;
 }
 
@@ -165,6 +170,7 @@ struct Tracer::Impl {
     EmbreeScene root;
     std::size_t triangles = 0;
     float extent_limit = 0;
+    bool has_huge_triangles = false;  // beyond extent_limit
 
     [[nodiscard]] const Instance* instance(const SurfaceId& id) const {
         return id.instance == SurfaceId::none ? nullptr : &scene->instances[id.instance - scene->placed.size()];
@@ -177,7 +183,8 @@ struct Tracer::Impl {
 
     EmbreeScene new_scene() const {
         EmbreeScene result(rtcNewScene(device.get()));
-        rtcSetSceneFlags(result.get(), RTC_SCENE_FLAG_ROBUST);
+        rtcSetSceneFlags(result.get(), has_huge_triangles ? RTC_SCENE_FLAG_ROBUST | query_filter_flag
+                                                          : RTC_SCENE_FLAG_ROBUST);
         rtcSetSceneBuildQuality(result.get(), RTC_BUILD_QUALITY_MEDIUM);
         return result;
     }
@@ -212,6 +219,11 @@ Tracer::Tracer(const Scene& scene) : impl_(std::make_unique<Impl>()) {
         }
         impl_->meshes.push_back({&scene, &mesh});
     }
+    const std::vector<float> extents = triangle_extents(scene);
+    impl_->triangles = extents.size();
+    impl_->extent_limit = extent_limit_in_medians * median(extents);
+    impl_->has_huge_triangles =
+        std::any_of(extents.begin(), extents.end(), [&](float e) { return e > impl_->extent_limit; });
 
     for (const Model& model : scene.models) {
         impl_->models.push_back(impl_->new_scene());
@@ -222,10 +234,7 @@ Tracer::Tracer(const Scene& scene) : impl_(std::make_unique<Impl>()) {
     }
     impl_->root = impl_->new_scene();
     unsigned id = 0;
-    for (const int mesh : scene.placed) {
-        impl_->attach_mesh(impl_->root.get(), mesh, id++);
-        impl_->triangles += scene.meshes[mesh].triangles.size();
-    }
+    for (const int mesh : scene.placed) impl_->attach_mesh(impl_->root.get(), mesh, id++);
     for (const Instance& instance : scene.instances) {
         RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
         rtcSetGeometryInstancedScene(geometry, impl_->models[instance.model].get());
@@ -233,13 +242,9 @@ Tracer::Tracer(const Scene& scene) : impl_(std::make_unique<Impl>()) {
         rtcCommitGeometry(geometry);
         rtcAttachGeometryByID(impl_->root.get(), geometry, id++);
         rtcReleaseGeometry(geometry);
-        for (const int mesh : scene.models[instance.model].meshes) {
-            impl_->triangles += scene.meshes[mesh].triangles.size();
-        }
     }
     rtcCommitScene(impl_->root.get());
     check(device, "building the ray-tracing structure");
-    impl_->extent_limit = extent_limit_in_medians * median_extent(scene);
 }
 
 Tracer::~Tracer() = default;
@@ -301,7 +306,7 @@ glm::vec3 Tracer::transmittance(glm::vec3 origin, glm::vec3 direction, float max
     query.source = source;
     query.transmittance = glm::vec3(1);
     RTCRay ray{origin.x, origin.y, origin.z, 0, direction.x, direction.y, direction.z, 0, max_distance, ~0U, 0, 0};
-    occluded(impl_->root.get(), &query.context, &ray, source == SurfaceId{} ? nullptr : skip_source);
+    occluded(impl_->root.get(), &query.context, &ray, impl_->has_huge_triangles ? skip_source : nullptr);
     return ray.tfar < 0 ? glm::vec3(0) : query.transmittance;
 }
 

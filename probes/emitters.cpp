@@ -68,6 +68,7 @@ Emitters::Sample Emitters::sample(glm::vec3 receiver, glm::vec3 u) const noexcep
     const Material& material = tracer_->scene().materials[surface.mesh->material];
     Sample sample;
     sample.id = hit.id;
+    surface.offset += std::sqrt(distance_squared) * 0x1p-20F;  // Embree's rounding at the far end grows with the ray
     sample.position = surface.leave(-to_emitter);
     sample.pdf = pdf_by_area(index) * distance_squared / std::abs(cosine);
     if (cosine > 0 || material.double_sided) {

@@ -149,14 +149,14 @@ LightSample PathTracer::from_lights(const Vertex& vertex, float u, PathCounts& c
 }
 
 glm::vec3 PathTracer::radiance_along(glm::vec3 origin, glm::vec3 direction, Dimensions& dimensions,
-                                     PathCounts& counts) const {
+                                     PathCounts& counts, std::uint32_t most_bounces) const {
     const Scene& scene = tracer_->scene();
     glm::vec3 radiance(0);
     glm::vec3 throughput(1);
     glm::vec3 scattered_at = origin;               // where the path last chose a direction,
     float scattered_pdf = uniform_sphere_pdf;      // and how densely
     SurfaceId source;
-    while (true) {
+    for (std::uint32_t bounce = 0;;) {
         ++counts.rays;
         const Hit hit = tracer_->closest_hit(origin, direction, source);
         if (!hit.found()) {
@@ -188,6 +188,7 @@ glm::vec3 PathTracer::radiance_along(glm::vec3 origin, glm::vec3 direction, Dime
             throughput /= 1 - pass_probability;
         }
         throughput *= reflected;
+        if (bounce++ == most_bounces) return radiance;
 
         const float brightest = largest(throughput);
         if (brightest < roulette_threshold) {
@@ -216,7 +217,7 @@ glm::vec3 PathTracer::radiance_along(glm::vec3 origin, glm::vec3 direction, Dime
 }
 
 void PathTracer::gather(glm::vec3 point, std::uint64_t key, std::uint32_t samples, std::vector<LightSample>& out,
-                        PathCounts& counts) const {
+                        PathCounts& counts, std::uint32_t most_bounces) const {
     const Vertex probe{point, nullptr, {}, {}};
     const float share = 1 / static_cast<float>(samples);
     const auto add = [&](LightSample sample, float weight) {
@@ -238,7 +239,7 @@ void PathTracer::gather(glm::vec3 point, std::uint64_t key, std::uint32_t sample
             const glm::vec2 where = dimensions.next2();
             add(from_environment(probe, {dimensions.next(), where}, counts), share);
         }
-        add({direction, radiance_along(point, direction, dimensions, counts)}, share / uniform_sphere_pdf);
+        add({direction, radiance_along(point, direction, dimensions, counts, most_bounces)}, share / uniform_sphere_pdf);
     }
 }
 

@@ -54,11 +54,14 @@ class PathTracer {
     /// All light that arrives at `point` (relative to Scene::origin) but that which comes straight from punctual lights,
     /// by `samples` uniform gather rays, each continued as a path, and as many samples of emitters and environment.
     ///
-    /// key      picks the random numbers: one per (seed, probe, replicate)
-    /// samples  at least 1; powers of two are distributed best
-    /// out      appended to
+    /// key           picks the random numbers: one per (seed, probe, replicate)
+    /// samples       at least 1; powers of two are distributed best
+    /// out           appended to
+    /// most_bounces  paths end there; a limit makes the result too dark and is for rough looks only
     void gather(glm::vec3 point, std::uint64_t key, std::uint32_t samples, std::vector<LightSample>& out,
-                PathCounts& counts) const;
+                PathCounts& counts, std::uint32_t most_bounces = unlimited) const;
+
+    static constexpr std::uint32_t unlimited = 0xffffffffU;
 
     /// Light straight from punctual lights: one shadow ray each, exact. Appended to `out`.
     void gather_punctual(glm::vec3 point, std::vector<LightSample>& out, PathCounts& counts) const;
@@ -71,7 +74,7 @@ class PathTracer {
     [[nodiscard]] LightSample from_environment(const Vertex& vertex, glm::vec3 u, PathCounts& counts) const;
     [[nodiscard]] LightSample from_lights(const Vertex& vertex, float u, PathCounts& counts) const;
     [[nodiscard]] glm::vec3 radiance_along(glm::vec3 origin, glm::vec3 direction, Dimensions& dimensions,
-                                           PathCounts& counts) const;
+                                           PathCounts& counts, std::uint32_t most_bounces) const;
 
     const Tracer* tracer_;
     const Environment* environment_;

@@ -1,1 +1,372 @@
 #include "probes/placement.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+
+#include "core/error.h"
+#include "core/parallel.h"
+#include "core/sampling.h"
+
+namespace lightgrid {
+namespace {
+
+/// Probes that an automatic spacing aims at: seconds to bake, and fine enough for a few rooms.
+constexpr double automatic_probes = 4096;
+
+constexpr std::uint32_t evidence_rays = 64;
+/// Share of rays that may leave an enclosure through cracks.
+constexpr float crack_share = 0.1F;
+/// Free space in real levels sees up to two thirds back faces; inside rock it is nearly all.
+constexpr float inside_score = 0.85F;
+/// Of the spacing: nearer to a surface than this, a probe is moved.
+constexpr float clearance_share = 0.01F;
+constexpr int most_candidates = 32;
+
+struct Sight {
+    float distance;
+    bool back;  // of a surface that is opaque and one-sided
+    glm::vec3 direction;
+};
+
+struct Surroundings {
+    std::vector<Sight> hits;  // nearest first
+    float escaped = 0;        // share of rays
+};
+
+Surroundings look_around(const Tracer& tracer, glm::vec3 point) {
+    Surroundings seen;
+    for (std::uint32_t i = 0; i < evidence_rays; ++i) {
+        const glm::vec3 direction = sphere_direction(sobol_point(i, 0));
+        const Hit hit = tracer.closest_hit(point, direction);
+        if (!hit.found()) {
+            seen.escaped += 1.0F / evidence_rays;
+            continue;
+        }
+        const Surface surface = tracer.surface(hit, direction);
+        const Material& material = tracer.scene().materials[surface.mesh->material];
+        const bool tells = !material.double_sided && !material.passes_light();
+        seen.hits.push_back({hit.distance, tells && !surface.front, direction});
+    }
+    std::sort(seen.hits.begin(), seen.hits.end(), [](const Sight& a, const Sight& b) { return a.distance < b.distance; });
+    return seen;
+}
+
+/// Back faces as evidence: over all rays and over the nearest quarter of them, in equal parts.
+bool looks_inside(const Surroundings& seen) {
+    if (seen.escaped > crack_share || seen.hits.empty()) return false;
+    const auto share = [&](std::size_t count) {
+        const auto end = seen.hits.begin() + static_cast<std::ptrdiff_t>(count);
+        return static_cast<float>(std::count_if(seen.hits.begin(), end, [](const Sight& s) { return s.back; })) /
+               static_cast<float>(count);
+    };
+    return 0.5F * share(seen.hits.size()) + 0.5F * share((seen.hits.size() + 3) / 4) >= inside_score;
+}
+
+/// A surface within about `clearance`: seven lines through the point, so that no plane slips between them.
+bool touches(const Tracer& tracer, glm::vec3 point, float clearance) {
+    static constexpr std::array<glm::vec3, 7> lines = {
+        {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.58F, 0.58F, 0.58F}, {-0.58F, 0.58F, 0.58F}, {0.58F, -0.58F, 0.58F},
+         {0.58F, 0.58F, -0.58F}}};
+    return std::any_of(lines.begin(), lines.end(), [&](glm::vec3 line) {
+        return tracer.closest_hit(point - clearance * line, 2 * clearance * line, {}, 1).found();
+    });
+}
+
+/// The least offset that frees the point, or none. `reach`: the most along each axis.
+std::optional<glm::vec3> freeing_offset(const Tracer& tracer, glm::vec3 point, const Surroundings& seen, glm::vec3 reach,
+                                        float clearance, const Box& limits, const LightEvidence& is_lit) {
+    std::vector<glm::vec3> candidates;
+    for (const Sight& sight : seen.hits) {
+        if (sight.back) candidates.push_back(sight.direction * (sight.distance + 2 * clearance));
+    }
+    for (std::uint32_t i = 0; i < evidence_rays; ++i) {
+        candidates.push_back(sphere_direction(sobol_point(i, 0)) * (2 * clearance));
+    }
+    std::erase_if(candidates, [&](glm::vec3 offset) {
+        const glm::dvec3 place = glm::dvec3(point) + glm::dvec3(offset);
+        return glm::any(glm::greaterThan(glm::abs(offset), reach)) || glm::any(glm::lessThan(place, limits.min)) ||
+               glm::any(glm::greaterThan(place, limits.max));
+    });
+    std::stable_sort(candidates.begin(), candidates.end(),
+                     [](glm::vec3 a, glm::vec3 b) { return glm::dot(a, a) < glm::dot(b, b); });
+    const std::size_t tried = std::min<std::size_t>(candidates.size(), most_candidates);
+    for (std::size_t i = 0; i < tried; ++i) {
+        if (is_free(tracer, point + candidates[i], clearance, is_lit)) return candidates[i];
+    }
+    return {};
+}
+
+/// No front face between a probe that may be inside something and a neighbour: leaving through back faces is no hindrance.
+bool reaches(const Tracer& tracer, glm::vec3 from, glm::vec3 to) {
+    constexpr int most_layers = 16;
+    const glm::vec3 direction = to - from;
+    glm::vec3 origin = from;
+    SurfaceId source;
+    float left = 1;
+    for (int layer = 0; layer < most_layers; ++layer) {
+        const Hit hit = tracer.closest_hit(origin, direction, source, left);
+        if (!hit.found()) return true;
+        const Surface surface = tracer.surface(hit, direction);
+        if (surface.front) return false;
+        origin = surface.leave(direction);
+        source = hit.id;
+        left -= hit.distance;
+        if (left <= 0) return true;
+    }
+    return false;
+}
+
+/// Lattice coordinates of every slot of one grid, and back.
+struct LatticeIndex {
+    const Grid* grid;
+    std::vector<std::int64_t> slot_of;  // x fastest; -1: no brick holds it
+
+    LatticeIndex(const Volume& volume, int grid_index) : grid(&volume.grids[grid_index]) {
+        slot_of.assign(static_cast<std::size_t>(grid->counts.x) * grid->counts.y * grid->counts.z, -1);
+        for (std::size_t b = 0; b < volume.bricks.size(); ++b) {
+            if (volume.bricks[b].grid != grid_index) continue;
+            for (int p = 0; p < probes_per_brick; ++p) {
+                const glm::ivec3 local(p % brick_size, p / brick_size % brick_size, p / (brick_size * brick_size));
+                const glm::ivec3 probe = volume.bricks[b].origin + local;
+                if (contains(probe)) slot_of[index(probe)] = static_cast<std::int64_t>(b) * probes_per_brick + p;
+            }
+        }
+    }
+    [[nodiscard]] bool contains(glm::ivec3 p) const {
+        return glm::all(glm::greaterThanEqual(p, glm::ivec3(0))) && glm::all(glm::lessThan(p, grid->counts));
+    }
+    [[nodiscard]] std::size_t index(glm::ivec3 p) const {
+        return (static_cast<std::size_t>(p.z) * grid->counts.y + p.y) * grid->counts.x + p.x;
+    }
+    [[nodiscard]] std::int64_t slot(glm::ivec3 p) const { return contains(p) ? slot_of[index(p)] : -1; }
+    [[nodiscard]] glm::ivec3 probe(std::size_t i) const {
+        const auto x = static_cast<std::size_t>(grid->counts.x);
+        const auto y = static_cast<std::size_t>(grid->counts.y);
+        return {i % x, i / x % y, i / (x * y)};
+    }
+};
+
+/// A filling of one probe, computed from the volume as it is and applied later, so that order does not matter.
+struct Filling {
+    std::size_t slot;
+    std::vector<glm::vec3> coefficients, errors, axis_errors;
+};
+
+std::optional<Filling> fill_from_neighbours(const Volume& volume, const Tracer& tracer, const LatticeIndex& lattice,
+                                            std::size_t cell, const std::vector<bool>& has_light, bool through_walls) {
+    const glm::ivec3 probe = lattice.probe(cell);
+    const auto slot = static_cast<std::size_t>(lattice.slot_of[cell]);
+    const glm::dvec3 origin = tracer.scene().origin;
+    const glm::vec3 place(lattice_position(volume, slot) - origin);
+    const auto n = static_cast<std::size_t>(volume.bands) * volume.bands;
+    Filling filling{slot, std::vector<glm::vec3>(n), std::vector<glm::vec3>(n), std::vector<glm::vec3>(6)};
+    float weight_sum = 0;
+    for (int z = -1; z <= 1; ++z) {
+        for (int y = -1; y <= 1; ++y) {
+            for (int x = -1; x <= 1; ++x) {
+                const std::int64_t other = lattice.slot(probe + glm::ivec3(x, y, z));
+                if (other < 0 || !has_light[static_cast<std::size_t>(other)]) continue;
+                const auto from = static_cast<std::size_t>(other);
+                const glm::vec3 neighbour(gather_position(volume, from) - origin);
+                if (!through_walls && !reaches(tracer, place, neighbour)) continue;
+                const float weight = 1 / glm::dot(neighbour - place, neighbour - place);
+                weight_sum += weight;
+                for (std::size_t i = 0; i < n; ++i) {
+                    filling.coefficients[i] += weight * volume.coefficients[from * n + i];
+                    filling.errors[i] += weight * volume.errors[from * n + i];
+                }
+                for (std::size_t i = 0; i < 6; ++i) filling.axis_errors[i] += weight * volume.axis_errors[from * 6 + i];
+            }
+        }
+    }
+    if (weight_sum == 0) return {};
+    for (auto* values : {&filling.coefficients, &filling.errors, &filling.axis_errors}) {
+        for (glm::vec3& value : *values) value /= weight_sum;
+    }
+    return filling;
+}
+
+void apply(Volume& volume, const Filling& filling) {
+    const auto n = static_cast<std::ptrdiff_t>(filling.coefficients.size());
+    const auto slot = static_cast<std::ptrdiff_t>(filling.slot);
+    std::copy(filling.coefficients.begin(), filling.coefficients.end(), volume.coefficients.begin() + slot * n);
+    std::copy(filling.errors.begin(), filling.errors.end(), volume.errors.begin() + slot * n);
+    std::copy(filling.axis_errors.begin(), filling.axis_errors.end(), volume.axis_errors.begin() + slot * 6);
+    volume.states[filling.slot] = ProbeState::filled;
+}
+
+glm::dvec3 with_room(glm::dvec3 size, double least) { return glm::max(size, glm::dvec3(least)); }
+
+double automatic_spacing(const std::vector<Box>& boxes) {
+    double volume = 0;
+    double largest = 0;
+    for (const Box& box : boxes) {
+        const glm::dvec3 size = box.size();
+        largest = std::max({largest, size.x, size.y, size.z});
+        const glm::dvec3 solid = with_room(size, std::max({size.x, size.y, size.z}) / 64);
+        volume += solid.x * solid.y * solid.z;
+    }
+    return largest > 0 ? std::cbrt(volume / automatic_probes) : 1;
+}
+
+Grid span_box(const Box& box, double spacing) {
+    // A box without thickness gets half a cell on both sides, so that probes stand beside what it bounds, not in it.
+    Box grown = box;
+    for (int axis = 0; axis < 3; ++axis) {
+        if (box.size()[axis] > 0) continue;
+        grown.min[axis] -= 0.5 * spacing;
+        grown.max[axis] += 0.5 * spacing;
+    }
+    Grid grid;
+    grid.origin = grown.min;
+    for (int axis = 0; axis < 3; ++axis) {
+        // A hair less, so that a size that is a whole number of spacings up to rounding does not get one cell more.
+        const double cells = std::max(1.0, std::ceil(grown.size()[axis] / spacing * (1 - 1e-9)));
+        grid.counts[axis] = static_cast<int>(std::min(cells, 1e9)) + 1;
+        grid.spacing[axis] = grown.size()[axis] / cells;
+    }
+    return grid;
+}
+
+double probe_count(const std::vector<Grid>& grids) {
+    double count = 0;
+    for (const Grid& grid : grids) count += double(grid.counts.x) * double(grid.counts.y) * double(grid.counts.z);
+    return count;
+}
+
+std::vector<Grid> span_boxes(const std::vector<Box>& boxes, double spacing) {
+    std::vector<Grid> grids;
+    for (const Box& box : boxes) grids.push_back(span_box(box, spacing));
+    return grids;
+}
+
+}  // namespace
+
+GridChoice choose_grids(const Scene& scene, const PlacementOptions& options) {
+    std::vector<Box> boxes = options.boxes;
+    std::string over = boxes.size() == 1 ? "the given box" : "the given boxes";
+    if (boxes.empty()) {
+        boxes = scene.volume_markers;
+        over = fmt::format("{} marked in the level", boxes.size() == 1 ? "the box" : "the boxes");
+    }
+    if (boxes.empty() && !scene.bounds.empty()) {
+        boxes = {scene.bounds};
+        over = "the level's bounds";
+    }
+    if (boxes.empty()) return {{}, "no surfaces and no boxes: one probe at the origin"};
+
+    GridChoice choice;
+    if (options.spacing) {
+        choice.grids = span_boxes(boxes, *options.spacing);
+        const double count = probe_count(choice.grids);
+        if (count > static_cast<double>(options.max_probes)) {
+            const double factor = std::cbrt(count / static_cast<double>(options.max_probes));
+            throw Error(fmt::format("a spacing of {:.4g} m makes {:.0f} probes ({:.3g} GB), more than --max-probes {}",
+                                    *options.spacing, count, count * 450e-9, options.max_probes),
+                        "--spacing",
+                        fmt::format("Use --spacing {:.3g}, a smaller --volume, or a larger --max-probes",
+                                    *options.spacing * factor * 1.05));
+        }
+        choice.why = fmt::format("{:.4g} m as asked, over {}", *options.spacing, over);
+        return choice;
+    }
+    double spacing = automatic_spacing(boxes);
+    choice.grids = span_boxes(boxes, spacing);
+    while (probe_count(choice.grids) > static_cast<double>(options.max_probes)) {
+        const double before = probe_count(choice.grids);
+        spacing *= 1.1;
+        choice.grids = span_boxes(boxes, spacing);
+        if (probe_count(choice.grids) < before || spacing < 1e30) continue;
+        throw Error(fmt::format("{} boxes need at least 8 probes each, more than --max-probes {}", boxes.size(),
+                                options.max_probes),
+                    "--max-probes", "Allow more probes or give fewer boxes");
+    }
+    choice.why = fmt::format("{:.4g} m, so that {} hold about {:.0f} probes", spacing, over,
+                             std::min(automatic_probes, static_cast<double>(options.max_probes)));
+    return choice;
+}
+
+bool is_free(const Tracer& tracer, glm::vec3 point, float clearance, const LightEvidence& is_lit) {
+    if (touches(tracer, point, clearance)) return false;
+    return !looks_inside(look_around(tracer, point)) || is_lit(point);
+}
+
+PlacementCounts place_probes(Volume& volume, const Tracer& tracer, const LightEvidence& is_lit) {
+    const glm::dvec3 origin = tracer.scene().origin;
+    std::vector<glm::vec3> offsets(volume.slots(), glm::vec3(0));
+    const std::size_t grid_slots = volume.bricks.size() * probes_per_brick;
+    for_each_index(volume.slots(), [&](std::size_t slot) {
+        if (volume.states[slot] == ProbeState::absent) return;
+        const glm::vec3 place(lattice_position(volume, slot) - origin);
+        const Surroundings seen = look_around(tracer, place);
+        if (slot >= grid_slots) {  // a list: never moved
+            volume.states[slot] = looks_inside(seen) && !is_lit(place) ? ProbeState::missing : ProbeState::valid;
+            return;
+        }
+        const Grid& grid = volume.grids[volume.bricks[slot / probes_per_brick].grid];
+        const glm::vec3 spacing(grid.spacing);
+        const float clearance = clearance_share * std::min({spacing.x, spacing.y, spacing.z});
+        if (!touches(tracer, place, clearance) && (!looks_inside(seen) || is_lit(place))) {
+            volume.states[slot] = ProbeState::valid;
+            return;
+        }
+        const Box limits{grid.origin - origin, grid.position(grid.counts - 1) - origin};
+        const std::optional<glm::vec3> offset =
+            freeing_offset(tracer, place, seen, 0.5F * spacing, clearance, limits, is_lit);
+        volume.states[slot] = offset ? ProbeState::moved : ProbeState::missing;
+        offsets[slot] = offset.value_or(glm::vec3(0));
+    });
+
+    PlacementCounts counts;
+    for (const ProbeState state : volume.states) {
+        counts.valid += state == ProbeState::valid ? 1 : 0;
+        counts.moved += state == ProbeState::moved ? 1 : 0;
+        counts.invalid += state == ProbeState::missing ? 1 : 0;
+    }
+    counts.rays = (counts.valid + counts.moved + counts.invalid) * evidence_rays;
+    if (counts.moved > 0) volume.offsets = std::move(offsets);
+    return counts;
+}
+
+std::size_t fill_invalid(Volume& volume, const Tracer& tracer) {
+    std::size_t filled = 0;
+    std::vector<bool> has_light(volume.slots());
+    for (std::size_t i = 0; i < volume.slots(); ++i) has_light[i] = is_valid(volume.states[i]);
+    for (int grid = 0; grid < static_cast<int>(volume.grids.size()); ++grid) {
+        const LatticeIndex lattice(volume, grid);
+        std::vector<std::size_t> empty;
+        for (std::size_t cell = 0; cell < lattice.slot_of.size(); ++cell) {
+            const std::int64_t slot = lattice.slot_of[cell];
+            if (slot >= 0 && !has_light[static_cast<std::size_t>(slot)]) empty.push_back(cell);
+        }
+        // Ring by ring along free segments; where that stops, one ring through walls, and on.
+        bool through_walls = false;
+        while (!empty.empty()) {
+            std::vector<std::optional<Filling>> fillings(empty.size());
+            for_each_index(empty.size(), [&](std::size_t i) {
+                fillings[i] = fill_from_neighbours(volume, tracer, lattice, empty[i], has_light, through_walls);
+            });
+            std::vector<std::size_t> still_empty;
+            for (std::size_t i = 0; i < empty.size(); ++i) {
+                if (!fillings[i]) {
+                    still_empty.push_back(empty[i]);
+                    continue;
+                }
+                apply(volume, *fillings[i]);
+                has_light[fillings[i]->slot] = true;
+                ++filled;
+            }
+            const bool progress = still_empty.size() < empty.size();
+            empty = std::move(still_empty);
+            if (!progress && through_walls) break;
+            through_walls = !progress;
+        }
+    }
+    return filled;
+}
+
+}  // namespace lightgrid

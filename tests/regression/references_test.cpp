@@ -1,0 +1,118 @@
+// Light at points of real levels against values that an independent renderer (Mitsuba 3) computed there.
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "core/environment.h"
+#include "core/error.h"
+#include "core/gltf.h"
+#include "probes/gather.h"
+
+namespace lightgrid {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path shared = LIGHTGRID_SHARED;
+
+std::vector<std::string> reference_names() {
+    std::vector<std::string> names;
+    if (!fs::is_directory(shared / "references")) return {"absent"};
+    for (const auto& entry : fs::directory_iterator(shared / "references")) {
+        if (entry.path().extension() == ".json") names.push_back(entry.path().stem().string());
+    }
+    std::sort(names.begin(), names.end());
+    return names;
+}
+
+glm::dvec3 vec3(const nlohmann::json& value) { return {value.at(0), value.at(1), value.at(2)}; }
+
+Environment reference_environment(const nlohmann::json& value) {
+    if (value.is_null()) return {};
+    if (value.is_object()) return Environment::uniform(glm::vec3(vec3(value.at("constant"))));
+    throw Error("image environments come later");
+}
+
+class References : public testing::TestWithParam<std::string> {};
+
+TEST_P(References, AgreeWithinThreeStandardErrors) {
+    if (GetParam() == "absent") GTEST_SKIP() << "no reference values in " << shared;
+    const nlohmann::json reference =
+        nlohmann::json::parse(std::ifstream(shared / "references" / (GetParam() + ".json")));
+    const Scene scene = load_level(shared / "data" / reference.at("level").get<std::string>());
+    const Environment environment = reference_environment(reference.at("environment"));
+    const Tracer tracer(scene);
+    const PathTracer paths(tracer, environment);
+
+    std::vector<glm::vec3> points;
+    for (const auto& point : reference.at("points")) points.emplace_back(vec3(point.at("p")) - scene.origin);
+    GatherOptions options;
+    options.samples = 32768;
+    options.replicates = 32;
+    options.normals.assign(axis_normals().begin(), axis_normals().end());
+    const Gather ours = gather(paths, points, options);
+
+    int values = 0;
+    int agree = 0;
+    double signed_error = 0;
+    double signed_sum = 0;
+    double worst_noise = 0;
+    std::string outliers;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const auto& point = reference.at("points").at(i);
+        double mean_irradiance = 0;
+        for (const auto& [name, value] : point.at("irradiance").items()) {
+            const glm::dvec3 v = vec3(value);
+            mean_irradiance += (v.x + v.y + v.z) / 18;
+        }
+        const auto compare = [&](const std::string& what, const Estimate& estimate, const nlohmann::json& mean,
+                                 const nlohmann::json& error) {
+            const glm::dvec3 expected = vec3(mean);
+            const glm::dvec3 expected_error = vec3(error);
+            for (int c = 0; c < 3; ++c) {
+                const double tolerance =
+                    3 * std::hypot(estimate.error[c], expected_error[c]) + 1e-4 * mean_irradiance;
+                ++values;
+                if (std::abs(estimate.mean[c] - expected[c]) <= tolerance) {
+                    ++agree;
+                } else {
+                    outliers += fmt::format("point {} {} colour {}: {} +- {}, reference {} +- {}\n", i, what, c,
+                                            estimate.mean[c], estimate.error[c], expected[c], expected_error[c]);
+                }
+            }
+        };
+        for (std::size_t k = 0; k < 9; ++k) {
+            compare(fmt::format("coefficient {}", k), ours.sh(i)[k], point.at("sh").at(k), point.at("sh_se").at(k));
+        }
+        const std::array<const char*, 6> names = {"+x", "-x", "+y", "-y", "+z", "-z"};
+        for (std::size_t k = 0; k < 6; ++k) {
+            const Estimate& estimate = ours.irradiance[i * 6 + k];
+            compare(names[k], estimate, point.at("irradiance").at(names[k]), point.at("irradiance_se").at(names[k]));
+        }
+        const glm::dvec3 ambient = vec3(point.at("sh").at(0));
+        for (int c = 0; c < 3; ++c) {
+            signed_error += ours.sh(i)[0].mean[c] - ambient[c];
+            signed_sum += ambient[c];
+            worst_noise = std::max(worst_noise, ours.sh(i)[0].error[c] / std::max(ambient[c], 1e-4 * mean_irradiance));
+        }
+    }
+    fmt::print("{}: {} of {} within 3 standard errors, mean signed error {:+.3f} %, worst noise {:.2f} % of L_0\n",
+               GetParam(), agree, values, 100 * signed_error / signed_sum, 100 * worst_noise);
+    EXPECT_GE(agree, 0.99 * values) << outliers;
+    EXPECT_LT(std::abs(signed_error), 0.005 * signed_sum);
+    EXPECT_LT(worst_noise, 0.03);
+}
+
+INSTANTIATE_TEST_SUITE_P(Shared, References, testing::ValuesIn(reference_names()), [](const auto& instance) {
+    std::string name = instance.param;
+    std::replace_if(name.begin(), name.end(), [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; }, '_');
+    return name;
+});
+
+}  // namespace
+}  // namespace lightgrid
