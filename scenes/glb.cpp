@@ -2,6 +2,7 @@
 
 #include <stb_image_write.h>
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <fstream>
@@ -80,9 +81,15 @@ int Glb::add_accessor(const std::vector<T>& values, const char* type, int compon
 }
 
 int Glb::add_picture(const Picture& picture, const std::string& name) {
+    const bool cut_out = std::any_of(picture.pixels.begin(), picture.pixels.end(), [](auto p) { return p.a < 255; });
+    const int channels = cut_out ? 4 : 3;
+    std::vector<std::uint8_t> bytes;
+    for (const glm::u8vec4& pixel : picture.pixels) {
+        for (int channel = 0; channel < channels; ++channel) bytes.push_back(pixel[channel]);
+    }
     std::vector<std::byte> png;
-    if (stbi_write_png_to_func(append_png, &png, picture.width, picture.height, 4, picture.pixels.data(),
-                               picture.width * 4) == 0) {
+    if (stbi_write_png_to_func(append_png, &png, picture.width, picture.height, channels, bytes.data(),
+                               picture.width * channels) == 0) {
         throw std::runtime_error("cannot encode the picture " + name);
     }
     gltf_["images"].push_back({{"name", name}, {"mimeType", "image/png"}, {"bufferView", add_view(png, no_target)}});

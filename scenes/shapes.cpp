@@ -60,7 +60,7 @@ void add_box(Shape& shape, int material, glm::vec3 low, glm::vec3 high) {
 }
 
 void add_rounded_box(Shape& shape, int material, glm::vec3 low, glm::vec3 high, float radius) {
-    constexpr int per_quarter = 4;
+    constexpr int per_quarter = 3;
     Surface& surface = surface_of(shape, material);
     const std::uint32_t base = next_vertex(surface);
     const glm::vec3 center = 0.5F * (low + high);
