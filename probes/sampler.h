@@ -55,19 +55,20 @@ class Sampler {
     void irradiance(std::span<const glm::dvec3> positions, std::span<const glm::vec3> normals,
                     std::span<glm::vec3> results, const SampleOptions& options = {}) const noexcept;
 
-  private:
-    // Which probes answer, and how much each says: the weights of corners and environment sum to 1, or there is no
-    // corner.
+    /// Which probes answer at a position, and how much each says: the weights of corners and environment sum to 1, or
+    /// there is no corner.
     struct Corners {
         int count = 0;
-        std::array<std::size_t, 8> slots;
+        std::array<std::size_t, 8> slots;  // of `count` corners; the rest is not written
         std::array<float, 8> weights;
         float known = 0;        // Sample::weight
         float environment = 0;  // share of the environment
     };
-    [[nodiscard]] Corners find_corners(glm::dvec3 position, const SampleOptions& options) const noexcept;
+    [[nodiscard]] Corners corners(glm::dvec3 position, const SampleOptions& options = {}) const noexcept;
+
+  private:
     [[nodiscard]] Corners cell_corners(std::size_t grid, glm::ivec3 lower, glm::dvec3 share) const noexcept;
-    void interpolate(const Corners& corners, const SampleOptions& options, std::span<glm::vec3> sh) const noexcept;
+    void interpolate(const Corners& from, const SampleOptions& options, std::span<glm::vec3> sh) const noexcept;
 
     const Volume& volume_;
     SlotTable slots_;
