@@ -80,7 +80,7 @@ Sampler::Corners Sampler::cell_corners(std::size_t grid, glm::ivec3 lower, glm::
         double weight;
         ProbeState state;
     };
-    std::array<Corner, 8> corners;
+    std::array<Corner, 8> stored;
     int count = 0;
     double valid_weight = 0;
     double filled_weight = 0;
@@ -94,16 +94,16 @@ Sampler::Corners Sampler::cell_corners(std::size_t grid, glm::ivec3 lower, glm::
         const ProbeState state = volume_.states[slot];
         if (is_valid(state)) valid_weight += weight;
         if (state == ProbeState::filled) filled_weight += weight;
-        corners[count++] = {static_cast<std::size_t>(slot), weight, state};
+        stored[count++] = {static_cast<std::size_t>(slot), weight, state};
     }
     Corners result;
     result.known = static_cast<float>(valid_weight);
     const double sum = valid_weight > 0 ? valid_weight : filled_weight;
     for (int i = 0; i < count; ++i) {
-        const bool answers = valid_weight > 0 ? is_valid(corners[i].state) : corners[i].state == ProbeState::filled;
+        const bool answers = valid_weight > 0 ? is_valid(stored[i].state) : stored[i].state == ProbeState::filled;
         if (!answers) continue;
-        result.slots[result.count] = corners[i].slot;
-        result.weights[result.count++] = static_cast<float>(corners[i].weight / sum);
+        result.slots[result.count] = stored[i].slot;
+        result.weights[result.count++] = static_cast<float>(stored[i].weight / sum);
     }
     return result;
 }
@@ -137,27 +137,26 @@ Sampler::Corners Sampler::corners(glm::dvec3 position, const SampleOptions& opti
     return found;
 }
 
-void Sampler::interpolate(const Corners& corners, const SampleOptions& options,
-                          std::span<glm::vec3> sh) const noexcept {
+void Sampler::interpolate(const Corners& from, const SampleOptions& options, std::span<glm::vec3> sh) const noexcept {
     std::fill(sh.begin(), sh.end(), glm::vec3(0));
-    for (int c = 0; c < corners.count; ++c) {
+    for (int c = 0; c < from.count; ++c) {
         // As one row of floats, which the compiler turns into vector instructions.
-        const float* light = &volume_.sh(corners.slots[c]).data()->x;
+        const float* light = &volume_.sh(from.slots[c]).data()->x;
         float* sum = &sh.data()->x;
-        const float weight = corners.weights[c];
+        const float weight = from.weights[c];
         for (std::size_t i = 0; i < 3 * sh.size(); ++i) sum[i] += weight * light[i];
     }
-    if (corners.environment > 0 && !options.environment.empty()) {
+    if (from.environment > 0 && !options.environment.empty()) {
         assert(options.environment.size() == sh.size());
-        for (std::size_t i = 0; i < sh.size(); ++i) sh[i] += corners.environment * options.environment[i];
+        for (std::size_t i = 0; i < sh.size(); ++i) sh[i] += from.environment * options.environment[i];
     }
 }
 
 float Sampler::sample(glm::dvec3 position, std::span<glm::vec3> sh, const SampleOptions& options) const noexcept {
     assert(sh.size() == volume_.sh_size());
-    const Corners found = corners(position, options);
-    interpolate(found, options, sh);
-    return found.known;
+    const Corners answering = corners(position, options);
+    interpolate(answering, options, sh);
+    return answering.known;
 }
 
 Sample Sampler::sample(glm::dvec3 position, const SampleOptions& options) const {

@@ -59,7 +59,7 @@ class Sampler {
     /// there is no corner.
     struct Corners {
         int count = 0;
-        std::array<std::size_t, 8> slots;
+        std::array<std::size_t, 8> slots;  // of `count` corners; the rest is not written
         std::array<float, 8> weights;
         float known = 0;        // Sample::weight
         float environment = 0;  // share of the environment
@@ -68,7 +68,7 @@ class Sampler {
 
   private:
     [[nodiscard]] Corners cell_corners(std::size_t grid, glm::ivec3 lower, glm::dvec3 share) const noexcept;
-    void interpolate(const Corners& corners, const SampleOptions& options, std::span<glm::vec3> sh) const noexcept;
+    void interpolate(const Corners& from, const SampleOptions& options, std::span<glm::vec3> sh) const noexcept;
 
     const Volume& volume_;
     SlotTable slots_;

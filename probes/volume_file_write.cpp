@@ -1,8 +1,8 @@
 #include "core/error.h"
+#include "core/whole_file.h"
 #include "probes/half_storage.h"
 #include "probes/volume_file.h"
 #include "probes/volume_file_parts.h"
-#include "core/whole_file.h"
 
 #include <Iex.h>
 #include <ImfChannelList.h>

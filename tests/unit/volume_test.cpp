@@ -4,7 +4,7 @@
 #include "core/sh.h"
 #include "probes/half_storage.h"
 #include "probes/volume_file.h"
-#include "probes/whole_file.h"
+#include "core/whole_file.h"
 
 #include <gtest/gtest.h>
 
