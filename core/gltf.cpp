@@ -178,6 +178,8 @@ class LevelReader {
             scene_.meshes.push_back(std::move(part.loaded.mesh));
             const std::string place = mesh_name(part.request.mesh);
             if (part.loaded.left_over > 0) notices_.add(place, "its last vertices make no whole triangle");
+            if (part.loaded.unweighted)
+                notices_.add(place, "vertices without weights follow the first joint that they name");
             if (part.loaded.colors_clamped)
                 notices_.add(place, "its vertex colours are outside [0, 1] and are clamped to it");
             for (const int set : part.loaded.missing_uv_sets)
@@ -337,11 +339,49 @@ class LevelReader {
         if (without_area_ > 0)
             notices_.add("", fmt::format("{} triangles have no area and are left out", without_area_));
         note_clamped_albedo();
+        list_unread_images();
+        list_unread_attributes();
         for (const gltf::Findings& findings : {document_.findings(), document_.check_unread()})
             for (const gltf::Finding& finding : findings) notices_.add(finding.place, finding.problem);
         const std::vector<std::string> lines = notices_.lines();
         scene_.notices.insert(scene_.notices.end(), lines.begin(), lines.end());
     }
+
+    void list_unread_images() {
+        std::size_t count = 0;
+        std::size_t bytes = 0;
+        for (std::size_t i = 0; i < document_.images().size(); ++i) {
+            if (document_.was_read(i)) continue;
+            ++count;
+            bytes += document_.encoded_bytes(document_.images()[i]);
+        }
+        if (count > 0)
+            scene_.left_out.push_back({"images of normals, roughness and the like", "no light path reads them",
+                                       fmt::format("{} images, {:.1f} MB encoded", count, megabytes(bytes))});
+    }
+
+    /// Vertex data of meshes in the scene that was not converted.
+    void list_unread_attributes() {
+        std::map<int, bool> read;  // by accessor
+        for (const Part& part : parts_) {
+            const tinygltf::Primitive& primitive =
+                document_.mesh(part.request.mesh).primitives[static_cast<std::size_t>(part.request.primitive)];
+            for (const auto& [name, accessor] : primitive.attributes)
+                read[accessor] |= gltf::is_read(name, part.request);
+        }
+        std::size_t count = 0;
+        std::size_t bytes = 0;
+        for (const auto& [index, was_read] : read) {
+            if (was_read) continue;
+            const tinygltf::Accessor& accessor = document_.model().accessors[static_cast<std::size_t>(index)];
+            ++count;
+            bytes += accessor.count * gltf::element_bytes(accessor.type, accessor.componentType);
+        }
+        if (count > 0)
+            scene_.left_out.push_back({"normals, tangents and other vertex data", "no light path reads them",
+                                       fmt::format("{} accessors, {:.1f} MB", count, megabytes(bytes))});
+    }
+    static double megabytes(std::size_t bytes) { return static_cast<double>(bytes) * 1e-6; }
 
     void note_clamped_albedo() {
         std::vector<bool> bright(scene_.materials.size(), false);

@@ -151,6 +151,14 @@ std::string data_uri_bytes(std::string_view uri) {
     return *std::move(bytes);
 }
 
+std::string read_resource(const Resource& resource) {
+    try {
+        return resource.file.empty() ? data_uri_bytes(resource.data_uri) : read_whole_file(resource.file);
+    } catch (const Error& error) {
+        throw error.inside(resource.name);
+    }
+}
+
 std::string text_in(const json& object, const char* name) {
     const auto found = object.find(name);
     return found == object.end() ? std::string() : found->get<std::string>();
@@ -177,14 +185,13 @@ void Document::parse(Bytes text) {
     const Findings structure = check_structure(document);
     findings_.insert(findings_.end(), structure.begin(), structure.end());
 
-    for (json& buffer : std::exchange(document["buffers"], json::array())) {
+    for (const json& buffer : std::exchange(document["buffers"], json::array())) {
         const json::json_pointer fallback("/extensions/EXT_meshopt_compression/fallback");
-        buffers_.push_back({text_in(buffer, "name"), text_in(buffer, "uri"), buffer["byteLength"],
+        buffers_.push_back({resource_of("buffer", buffers_.size(), buffer), buffer["byteLength"],
                             buffer.contains(fallback) && buffer[fallback] == true});
     }
     for (const json& image : std::exchange(document["images"], json::array()))
-        images_.push_back(
-            {text_in(image, "name"), text_in(image, "uri"), text_in(image, "mimeType"), image.value("bufferView", -1)});
+        images_.push_back({resource_of("image", images_.size(), image), image.value("bufferView", -1)});
     document.erase("cameras");
 
     const std::string clean = document.dump();
@@ -195,7 +202,7 @@ void Document::parse(Bytes text) {
                                     tinygltf::NO_REQUIRE))
         throw Error("cannot be parsed: " + error, "", "Export the level again.");
 
-    const Findings links = check_links(model_, buffers_);
+    const Findings links = check_links(model_, buffers_, images_);
     findings_.insert(findings_.end(), links.begin(), links.end());
     for (std::size_t i = 0; i < buffers_.size(); ++i) buffer_data_.emplace_back();
     for (std::size_t i = 0; i < model_.bufferViews.size(); ++i) unpacked_views_.emplace_back();
@@ -256,33 +263,39 @@ int Document::default_scene() const {
     return std::max(model_.defaultScene, 0);
 }
 
-fs::path Document::file_of(const std::string& uri) const {
-    const std::size_t colon = uri.find(':');
-    if (colon != std::string::npos && uri.find('/') > colon)
-        throw Error(fmt::format("\"{}\" is no file beside the level", uri), "",
-                    "Only relative paths and data URIs can be read: save the file beside the level.");
-    fs::path file = folder_ / percent_decoded(uri);
-    // A name may also have been written as it is.
+Resource Document::resource_of(const std::string& kind, std::size_t index, const json& source) {
+    Resource resource{name_of(kind, index, text_in(source, "name")), text_in(source, "uri"), {}};
+    if (resource.data_uri.empty() || is_data_uri(resource.data_uri)) return resource;
+    const std::string uri = std::exchange(resource.data_uri, {});
+    const auto find = [&](std::string thing, std::string problem) {
+        findings_.push_back({std::move(thing), resource.name, std::move(problem)});
+    };
+    if (const std::size_t colon = uri.find(':'); colon < uri.find('/')) {
+        find(fmt::format("/{}s/{}", kind, index), fmt::format("\"{}\" is neither a relative path nor a data URI", uri));
+        return resource;
+    }
+    // Names may have been written without escapes, and files moved out of the folder that they were in.
     std::error_code ignored;
-    if (!fs::exists(file, ignored) && fs::exists(folder_ / uri, ignored)) file = folder_ / uri;
-    return file;
-}
-
-std::string Document::resource(const std::string& uri) const {
-    return is_data_uri(uri) ? data_uri_bytes(uri) : read_whole_file(file_of(uri));
+    resource.file = folder_ / percent_decoded(uri);
+    if (fs::exists(resource.file, ignored)) return resource;
+    const fs::path moved = folder_ / resource.file.filename();
+    if (const fs::path plain = folder_ / uri; fs::exists(plain, ignored)) {
+        resource.file = plain;
+    } else if (fs::is_regular_file(moved, ignored)) {
+        find("", fmt::format("\"{}\" does not exist; \"{}\" beside the level is read instead", uri,
+                             moved.filename().string()));
+        resource.file = moved;
+    }
+    return resource;
 }
 
 Bytes Document::buffer_bytes(int index) const {
     const BufferSource& source = get(buffers_, "/buffers", index);
-    const std::string where = name_of("buffer", static_cast<std::size_t>(index), source.name);
+    const std::string& where = source.resource.name;
     Bytes bytes;
-    if (!source.uri.empty()) {
-        try {
-            const auto read = [&] { return resource(source.uri); };
-            bytes = std::as_bytes(std::span(buffer_data_[static_cast<std::size_t>(index)].get(read)));
-        } catch (const Error& error) {
-            throw error.inside(where);
-        }
+    if (!source.resource.is_elsewhere()) {
+        const auto read = [&] { return read_resource(source.resource); };
+        bytes = std::as_bytes(std::span(buffer_data_[static_cast<std::size_t>(index)].get(read)));
     } else if (binary_ && index == 0) {
         bytes = binary_chunk_;
     } else {
@@ -316,46 +329,44 @@ Bytes Document::bytes(int index) const {
 ByteImage Document::image(int index) const {
     const ImageSource& source = get(images_, "/images", index);
     images_read_[static_cast<std::size_t>(index)] = 1;
-    std::string where = name_of("image", static_cast<std::size_t>(index), source.name);
-    if (!source.uri.empty() && !is_data_uri(source.uri)) where = fmt::format("{} ({})", where, source.uri);
-    if (source.buffer_view >= 0) return decode_image(bytes(source.buffer_view), where);
+    const std::string data = source.buffer_view < 0 ? read_resource(source.resource) : std::string();
     try {
-        const std::string data = resource(source.uri);
-        return decode_image(std::as_bytes(std::span(data)), "");
+        return decode_image(source.buffer_view < 0 ? std::as_bytes(std::span(data)) : bytes(source.buffer_view),
+                            source.resource.file.string());
     } catch (const Error& error) {
-        throw error.inside(where);
+        throw error.inside(source.resource.name);
     }
 }
 
-std::size_t Document::image_size_bytes(int index) const {
-    const ImageSource& source = images_.at(static_cast<std::size_t>(index));
-    if (source.buffer_view >= 0) return model_.bufferViews.at(static_cast<std::size_t>(source.buffer_view)).byteLength;
-    if (source.uri.empty()) return 0;
-    if (is_data_uri(source.uri)) return source.uri.size() / 4 * 3;
-    try {
-        return static_cast<std::size_t>(fs::file_size(file_of(source.uri)));
-    } catch (const std::exception&) {
-        return 0;
-    }
+std::size_t Document::encoded_bytes(const ImageSource& image) const {
+    if (image.buffer_view >= 0) return model_.bufferViews[static_cast<std::size_t>(image.buffer_view)].byteLength;
+    if (!image.resource.data_uri.empty()) return image.resource.data_uri.size() / 4 * 3;
+    std::error_code ignored;
+    const std::uintmax_t size = fs::file_size(image.resource.file, ignored);
+    return ignored ? 0 : static_cast<std::size_t>(size);
 }
 
 Findings Document::check_unread() const {
     Findings findings;
-    const auto check = [&](const char* array, std::size_t index, const std::string& uri) {
-        if (uri.empty() || broken_.contains(fmt::format("/{}s/{}", array, index))) return;
+    const auto check = [&](const char* array, std::size_t index, const Resource& resource, auto&& verify) {
+        if (broken_.contains(fmt::format("/{}/{}", array, index))) return;  // a finding already
         try {
-            if (is_data_uri(uri))
-                data_uri_bytes(uri);
-            else if (std::error_code ignored; !fs::exists(file_of(uri), ignored))
-                throw Error(fmt::format("\"{}\" does not exist", uri));
+            std::error_code ignored;
+            if (resource.file.empty())
+                verify();
+            else if (!fs::exists(resource.file, ignored))
+                throw Error(fmt::format("{} does not exist", resource.file.string()));
         } catch (const Error& error) {
-            findings.push_back({"", fmt::format("{} {}", array, index), error.problem()});
+            findings.push_back({"", resource.name, error.problem()});
         }
     };
     for (std::size_t i = 0; i < buffers_.size(); ++i)
-        if (!buffer_data_[i].made()) check("buffer", i, buffers_[i].uri);
+        if (!buffer_data_[i].made() && !buffers_[i].placeholder)
+            check("buffers", i, buffers_[i].resource, [&] { static_cast<void>(buffer_bytes(static_cast<int>(i))); });
     for (std::size_t i = 0; i < images_.size(); ++i)
-        if (images_read_[i] == 0) check("image", i, images_[i].uri);
+        if (!was_read(i) && images_[i].buffer_view < 0)
+            check("images", i, images_[i].resource,
+                  [&] { static_cast<void>(data_uri_bytes(images_[i].resource.data_uri)); });
     return findings;
 }
 

@@ -3,6 +3,7 @@
 #include "core/gltf/finding.h"
 #include "core/image.h"
 
+#include <nlohmann/json_fwd.hpp>
 #include <tiny_gltf.h>
 
 #include <cstddef>
@@ -19,18 +20,24 @@ namespace lightgrid::gltf {
 using Bytes = std::span<const std::byte>;
 using OwnedBytes = std::vector<std::byte>;
 
+/// Bytes that a document names: in a data URI, in a file, or elsewhere.
+struct Resource {
+    std::string name;            // of the buffer or image
+    std::string data_uri;        // where it is one
+    std::filesystem::path file;  // where it is one
+
+    [[nodiscard]] bool is_elsewhere() const { return data_uri.empty() && file.empty(); }
+};
+
 struct BufferSource {
-    std::string name;
-    std::string uri;  // empty: the binary chunk of a .glb
+    Resource resource;  // elsewhere: the binary chunk of a .glb
     std::size_t byte_length = 0;
     bool placeholder = false;  // has no data: what reads it is compressed
 };
 
 struct ImageSource {
-    std::string name;
-    std::string uri;
-    std::string mime_type;
-    int buffer_view = -1;  // where there is no uri
+    Resource resource;     // elsewhere: in a buffer view
+    int buffer_view = -1;  // where it is
 };
 
 /// A value made when first asked for, by whichever thread asks. If making it throws, the next one tries again.
@@ -95,8 +102,9 @@ class Document {
     [[nodiscard]] Bytes bytes(int view) const;
     /// Reads and decodes an image; keeps nothing of it.
     [[nodiscard]] ByteImage image(int index) const;
-    /// Encoded size of an image; 0 where it is not known without reading it.
-    [[nodiscard]] std::size_t image_size_bytes(int index) const;
+    [[nodiscard]] bool was_read(std::size_t image) const { return images_read_[image] != 0; }
+    /// Encoded size of an image; 0 where it does not exist.
+    [[nodiscard]] std::size_t encoded_bytes(const ImageSource& image) const;
 
     /// Problems of buffers and images that nothing has read.
     [[nodiscard]] Findings check_unread() const;
@@ -106,8 +114,7 @@ class Document {
     template <typename T>
     const T& get(const std::vector<T>& list, const char* array, int index) const;
     [[nodiscard]] Bytes buffer_bytes(int index) const;
-    [[nodiscard]] std::string resource(const std::string& uri) const;
-    [[nodiscard]] std::filesystem::path file_of(const std::string& uri) const;
+    [[nodiscard]] Resource resource_of(const std::string& kind, std::size_t index, const nlohmann::json& source);
 
     std::filesystem::path folder_;
     std::string file_;

@@ -67,15 +67,17 @@ std::string format_of(const Accessor& accessor) {
 
 class Links {
   public:
-    Links(const tinygltf::Model& model, std::span<const BufferSource> buffers) : model_(model), buffers_(buffers) {}
+    Links(const tinygltf::Model& model, std::span<const BufferSource> buffers, std::span<const ImageSource> images)
+        : model_(model), buffers_(buffers), images_(images) {}
 
     Findings check() {
         for (std::size_t i = 0; i < buffers_.size(); ++i) check_buffer(i);
         for (std::size_t i = 0; i < model_.bufferViews.size(); ++i) check_view(i);
+        for (std::size_t i = 0; i < images_.size(); ++i) check_image(i);
         for (std::size_t i = 0; i < model_.accessors.size(); ++i) check_accessor(i);
         for (std::size_t i = 0; i < model_.meshes.size(); ++i) check_mesh(i);
-        for (std::size_t i = 0; i < model_.skins.size(); ++i) check_skin(i);
         check_hierarchy();
+        for (std::size_t i = 0; i < model_.skins.size(); ++i) check_skin(i);
         for (std::size_t i = 0; i < model_.nodes.size(); ++i) check_node(i);
         return std::move(findings_);
     }
@@ -104,11 +106,17 @@ class Links {
 
     void check_buffer(std::size_t i) {
         const BufferSource& buffer = buffers_[i];
-        const Place place{fmt::format("/buffers/{}", i), name_of("buffer", i, buffer.name)};
-        const std::string_view uri = buffer.uri;
-        if (uri.starts_with("data:") && !uri.starts_with("data:application/octet-stream") &&
+        const Place place{fmt::format("/buffers/{}", i), buffer.resource.name};
+        const std::string_view uri = buffer.resource.data_uri;
+        if (!uri.empty() && !uri.starts_with("data:application/octet-stream") &&
             !uri.starts_with("data:application/gltf-buffer"))
             harmless(place, "/uri", "its media type is not that of a buffer");
+    }
+
+    void check_image(std::size_t i) {
+        const ImageSource& image = images_[i];
+        if (image.buffer_view >= 0 && view(image.buffer_view).byteStride != 0)
+            harmless({fmt::format("/images/{}", i), image.resource.name}, "/bufferView", "has a byteStride");
     }
 
     void check_view(std::size_t i) {
@@ -272,6 +280,9 @@ class Links {
     void check_skin(std::size_t i) {
         const tinygltf::Skin& skin = model_.skins[i];
         const Place place{fmt::format("/skins/{}", i), name_of("skin", i, skin.name)};
+        const auto other_root = [&](int joint) { return root_of(joint) != root_of(skin.joints[0]); };
+        if (std::any_of(skin.joints.begin(), skin.joints.end(), other_root))
+            harmless(place, "/joints", "have no common root");
         if (skin.inverseBindMatrices < 0) return;
         const Accessor& data = accessor(skin.inverseBindMatrices);
         if (data.type != TINYGLTF_TYPE_MAT4 || data.componentType != float_type)
@@ -340,12 +351,6 @@ class Links {
                 harmless(place, "/rotation", fmt::format("is a quaternion of length {:.3g}: it is normalised", length));
         }
         if (node.mesh >= 0) check_mesh_use(place, node);
-        if (node.skin >= 0)
-            for (const int joint : model_.skins[static_cast<std::size_t>(node.skin)].joints)
-                if (root_of(joint) != root_of(model_.skins[static_cast<std::size_t>(node.skin)].joints[0])) {
-                    harmless(place, "/skin", "its joints have no common root");
-                    break;
-                }
         if (const tinygltf::Value* instancing = find_extension(node.extensions, "EXT_mesh_gpu_instancing"))
             check_instancing(place, *instancing);
     }
@@ -388,6 +393,7 @@ class Links {
 
     const tinygltf::Model& model_;
     std::span<const BufferSource> buffers_;
+    std::span<const ImageSource> images_;
     Findings findings_;
     std::vector<int> parents_;
     std::vector<int> roots_;
@@ -396,8 +402,9 @@ class Links {
 
 }  // namespace
 
-Findings check_links(const tinygltf::Model& model, std::span<const BufferSource> buffers) {
-    return Links(model, buffers).check();
+Findings check_links(const tinygltf::Model& model, std::span<const BufferSource> buffers,
+                     std::span<const ImageSource> images) {
+    return Links(model, buffers, images).check();
 }
 
 }  // namespace lightgrid::gltf

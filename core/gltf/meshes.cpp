@@ -20,18 +20,19 @@ using Triangles = std::vector<glm::uvec3>;
 /// The vertex data of one primitive, wherever the file keeps it.
 class Primitive {
   public:
-    Primitive(const Document& document, int mesh, int primitive)
+    Primitive(const Document& document, const PrimitiveRequest& request)
         : document_(document),
-          pointer_(fmt::format("/meshes/{}/primitives/{}", mesh, primitive)),
-          source_(document.mesh(mesh).primitives[static_cast<std::size_t>(primitive)]) {
+          pointer_(fmt::format("/meshes/{}/primitives/{}", request.mesh, request.primitive)),
+          source_(document.mesh(request.mesh).primitives[static_cast<std::size_t>(request.primitive)]) {
         const tinygltf::Value* draco = find_extension(source_.extensions, "KHR_draco_mesh_compression");
         // Where the file has the data uncompressed too, that is quicker to read, and exact.
         if (draco == nullptr || (!document.requires_extension("KHR_draco_mesh_compression") && has_plain_data()))
             return;
         const tinygltf::Value& ids = draco->Get("attributes");
+        std::map<std::string, int> draco_ids;
         for (const std::string& name : ids.Keys())
-            if (is_read(name)) draco_ids_.emplace(name, ids.Get(name).GetNumberAsInt());
-        draco_ = unpack_draco(document.bytes(draco->Get("bufferView").GetNumberAsInt()), draco_ids_);
+            if (is_read(name, request)) draco_ids.emplace(name, ids.Get(name).GetNumberAsInt());
+        draco_ = unpack_draco(document.bytes(draco->Get("bufferView").GetNumberAsInt()), draco_ids);
     }
 
     [[nodiscard]] const tinygltf::Primitive& source() const { return source_; }
@@ -101,9 +102,6 @@ class Primitive {
         return position != source_.attributes.end() &&
                document_.view(document_.accessor(position->second).bufferView).buffer >= 0;
     }
-    static bool is_read(const std::string& name) {
-        return name != "NORMAL" && name != "TANGENT" && !name.starts_with('_');
-    }
     /// Source: glTF 2.0, 3.7.2.1 "Overview" of mesh primitives.
     static Triangles assemble(const std::vector<std::uint32_t>& indices, int mode, std::size_t& left_over) {
         Triangles triangles;
@@ -128,7 +126,6 @@ class Primitive {
     const Document& document_;
     std::string pointer_;
     const tinygltf::Primitive& source_;
-    std::map<std::string, int> draco_ids_;
     std::optional<DracoMesh> draco_;
 };
 
@@ -205,6 +202,8 @@ std::vector<glm::dmat4> joint_transforms(const Document& document, const Primiti
         if (!global)
             throw Error(fmt::format("its joint, node {}, is not in the scene", joint), where,
                         "Export the scene with its skeleton.");
+        result[i][0].w = result[i][1].w = result[i][2].w = 0;
+        result[i][3].w = 1;
         result[i] = *global * result[i];
     }
     return result;
@@ -215,33 +214,38 @@ std::vector<glm::dmat4> joint_transforms(const Document& document, const Primiti
 void skin(const Document& document, const Primitive& primitive, const PrimitiveRequest& request, Picks picks,
           LoadedPrimitive& loaded) {
     const std::vector<glm::dmat4> joints = joint_transforms(document, request);
+    const auto joint_of = [&](std::uint32_t joint) -> const glm::dmat4& {
+        if (joint < joints.size()) return joints[joint];
+        throw Error(fmt::format("joint {}, but the skin has only {}", joint, joints.size()), "JOINTS",
+                    "Export the mesh again.");
+    };
     std::vector<glm::vec3>& positions = loaded.mesh.positions;
     std::vector<glm::dvec4> sums(positions.size(), glm::dvec4(0));  // weighted positions; w: the weights
+    std::vector<std::uint32_t> first_joints;
     for (int set = 0; primitive.has(fmt::format("JOINTS_{}", set)); ++set) {
-        const Elements joint_elements = primitive.elements(fmt::format("JOINTS_{}", set));
-        const Elements weight_elements = primitive.elements(fmt::format("WEIGHTS_{}", set));
-        const std::vector<glm::uvec4> indices = read_joints(joint_elements, picks);
-        const std::vector<glm::vec4> weights = read_vectors<4>(weight_elements, picks);
+        const std::vector<glm::uvec4> indices = read_joints(primitive.elements(fmt::format("JOINTS_{}", set)), picks);
+        const std::vector<glm::vec4> weights =
+            read_vectors<4>(primitive.elements(fmt::format("WEIGHTS_{}", set)), picks);
+        if (set == 0)
+            for (const glm::uvec4& joint : indices) first_joints.push_back(joint.x);
         for (std::size_t i = 0; i < positions.size(); ++i)
-            for (int k = 0; k < 4; ++k) {
-                const double weight = weights[i][k];
-                if (weight == 0) continue;
-                const std::uint32_t joint = indices[i][k];
-                if (joint >= joints.size())
-                    throw Error(fmt::format("joint {}, but the skin has only {}", joint, joints.size()),
-                                joint_elements.where, "Export the mesh again.");
-                if (i == 0 && sums[0].w == 0) loaded.turned = glm::determinant(glm::dmat3(joints[joint])) < 0;
-                sums[i] += weight * glm::dvec4(glm::dvec3(joints[joint] * glm::dvec4(positions[i], 1)), 1);
-            }
+            for (int k = 0; k < 4; ++k)
+                if (const double weight = weights[i][k]; weight != 0)
+                    sums[i] += weight * (joint_of(indices[i][k]) * glm::dvec4(positions[i], 1));
     }
     for (std::size_t i = 0; i < positions.size(); ++i) {
+        if (sums[i].w == 0) {
+            sums[i] = joint_of(first_joints[i]) * glm::dvec4(positions[i], 1);
+            loaded.unweighted = true;
+        }
         if (!(sums[i].w > 0))
             throw Error(fmt::format("the weights of vertex {} add up to {}", picks.empty() ? i : picks[i], sums[i].w),
-                        "WEIGHTS_0", "Export the mesh again.");
+                        "WEIGHTS", "Export the mesh again.");
         const glm::dvec3 position = glm::dvec3(sums[i]) / sums[i].w;
         if (i == 0) loaded.offset = position;
         positions[i] = glm::vec3(position - loaded.offset);
     }
+    loaded.turned = glm::determinant(glm::dmat3(joint_of(first_joints[0]))) < 0;
 }
 
 std::vector<glm::u16vec4> read_colors(const Elements& elements, Picks picks, bool& clamped) {
@@ -271,7 +275,7 @@ void make_room_for_embree(std::vector<glm::vec3>& positions) {
 }
 
 void load(const Document& document, const PrimitiveRequest& request, LoadedPrimitive& loaded) {
-    const Primitive primitive(document, request.mesh, request.primitive);
+    const Primitive primitive(document, request);
     if (!primitive.has("POSITION")) return;
     const Elements position = primitive.elements("POSITION");
     Mesh& mesh = loaded.mesh;
@@ -321,6 +325,13 @@ bool makes_triangles(const tinygltf::Primitive& primitive) {
            primitive.mode == TINYGLTF_MODE_TRIANGLE_FAN;
 }
 
+bool is_read(const std::string& attribute, const PrimitiveRequest& request) {
+    if (attribute == "POSITION" || attribute == "COLOR_0") return true;
+    if (attribute.starts_with("JOINTS_") || attribute.starts_with("WEIGHTS_")) return request.skin >= 0;
+    return std::any_of(request.uv_sets.begin(), request.uv_sets.end(),
+                       [&](int set) { return attribute == fmt::format("TEXCOORD_{}", set); });
+}
+
 LoadedPrimitive load_primitive(const Document& document, const PrimitiveRequest& request) {
     LoadedPrimitive loaded;
     loaded.mesh.name = document.model().meshes[static_cast<std::size_t>(request.mesh)].name;
@@ -335,7 +346,10 @@ LoadedPrimitive load_primitive(const Document& document, const PrimitiveRequest&
 
 std::vector<glm::vec3> load_positions(const Document& document, int mesh, int primitive) {
     try {
-        const Primitive source(document, mesh, primitive);
+        PrimitiveRequest request;
+        request.mesh = mesh;
+        request.primitive = primitive;
+        const Primitive source(document, request);
         return source.has("POSITION") ? read_vectors<3>(source.elements("POSITION")) : std::vector<glm::vec3>();
     } catch (const Error& error) {
         throw error.inside(place_of(document, mesh, primitive));

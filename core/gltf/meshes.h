@@ -7,6 +7,7 @@
 
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace lightgrid::gltf {
@@ -26,7 +27,8 @@ struct PrimitiveRequest {
 struct LoadedPrimitive {
     Mesh mesh;                  // in its own space; no triangles: nothing of it can be seen
     glm::dvec3 offset{0};       // skinned: where in the level (0, 0, 0) of `mesh` is
-    bool turned = false;        // skinned: its joints mirror it
+    bool turned = false;        // skinned: its first joint mirrors it
+    bool unweighted = false;    // skinned: vertices without weights follow the first joint that they name
     std::size_t left_over = 0;  // vertices that make no whole triangle
     std::vector<int> missing_uv_sets;
     bool colors_clamped = false;
@@ -38,6 +40,9 @@ std::size_t drop_triangles_without_area(Mesh& mesh);
 
 /// 4, 5 or 6: the modes that make triangles.
 [[nodiscard]] bool makes_triangles(const tinygltf::Primitive& primitive);
+
+/// Whether load_primitive reads an attribute.
+[[nodiscard]] bool is_read(const std::string& attribute, const PrimitiveRequest& request);
 
 /// Throws Error naming mesh, primitive and attribute. Safe from several threads.
 [[nodiscard]] LoadedPrimitive load_primitive(const Document& document, const PrimitiveRequest& request);

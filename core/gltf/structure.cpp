@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <initializer_list>
@@ -182,10 +183,11 @@ class Check {
             for (const auto& entry : list.source_.items()) {
                 if (!report_.extensions_used.contains(entry.key()))
                     list.harmless(entry.key(), "is not declared in extensionsUsed");
-                if (!entry.value().is_object()) list.harmless(entry.key(), "is not an object");
+                const auto is_it = [&](const auto& extension) { return entry.key() == extension.first; };
+                const bool is_known = std::any_of(known.begin(), known.end(), is_it);
+                if (!entry.value().is_object() && !is_known) list.harmless(entry.key(), "is not an object");
             }
-            for (const auto& [name, body] : known)
-                if (list.has_object(name)) list.object(name, body);
+            for (const auto& [name, body] : known) list.object(name, body);
         });
     }
 
@@ -214,7 +216,7 @@ class Check {
             const json& title = element.contains("name") ? element["name"] : json();
             report_.thing_name = name_of(kind, i, title.is_string() ? title.get<std::string>() : "");
             Check inner(report_, element, &array, std::to_string(i));
-            inner.text("name");
+            inner.leniently([](Check& check) { check.text("name"); });
             body(inner);
             kept.push_back(inner.take());
         }
@@ -352,7 +354,7 @@ void check_buffer(Check& buffer) {
 
 void check_buffer_view(Check& view) {
     view.index("buffer", "buffers");
-    view.required("buffer", 0);
+    view.required("buffer", -1);
     view.integer("byteOffset", 0, largest_size);
     view.integer("byteLength", 1, largest_size);
     view.required("byteLength", 1);
