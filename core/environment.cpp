@@ -72,7 +72,8 @@ Interval find_interval(int count, float total, float u, Cumulative cumulative, c
     int i = static_cast<int>(guide[std::min(static_cast<int>(u * static_cast<float>(size)), size - 1)]);
     while (cumulative(i) > x) --i;  // rounding may have led one bucket too far
     while (i + 1 < count && cumulative(i + 1) <= x) ++i;
-    return {i, (x - cumulative(i)) / (cumulative(i + 1) - cumulative(i))};
+    const float length = cumulative(i + 1) - cumulative(i);
+    return {i, length > 0 ? (x - cumulative(i)) / length : 0};  // 0 only where the total is
 }
 
 /// atan2 within 4e-7 rad, several times as fast as the exact one; 0 at the origin. Polynomial of degree 15 on [0, 1] by
@@ -90,6 +91,20 @@ float fast_atan2(float y, float x) {
     if (ay > ax) angle = 0.5F * pi - angle;
     if (x < 0) angle = pi - angle;
     return std::copysign(angle, y);
+}
+
+/// The sun of an environment that is turned (radians, as from_image) and scaled.
+SunDisc placed(SunDisc sun, double rotation, float scale) {
+    if (!is_valid(sun.radiance)) throw bad_radiance(sun.radiance, "environment, sun");
+    if (!(sun.angular_radius > 0 && sun.angular_radius <= pi / 2))
+        throw Error(fmt::format("the angular radius is {} rad", sun.angular_radius), "environment, sun",
+                    "It has to be above 0 and at most pi/2.");
+    const glm::dvec3 d = glm::normalize(glm::dvec3(sun.direction));
+    const double cosine = std::cos(rotation);
+    const double sine = std::sin(rotation);
+    sun.direction = glm::vec3(cosine * d.x + sine * d.z, d.y, cosine * d.z - sine * d.x);
+    sun.radiance *= scale;
+    return sun;
 }
 
 float mix(float a, float b, float t) {
@@ -111,102 +126,96 @@ Environment Environment::uniform(glm::vec3 radiance) {
 }
 
 Environment Environment::from_image(RadianceImage image, float rotation_deg, float scale, std::optional<SunDisc> sun) {
-    const int width = image.width;
-    const int height = image.height;
-    if (width < 1 || height < 1 || image.pixels.size() != static_cast<std::size_t>(width) * height)
-        throw Error(fmt::format("an image of {} x {} with {} pixels", width, height, image.pixels.size()),
+    if (image.width < 1 || image.height < 1 ||
+        image.pixels.size() != static_cast<std::size_t>(image.width) * image.height)
+        throw Error(fmt::format("an image of {} x {} with {} pixels", image.width, image.height, image.pixels.size()),
                     "environment");
     if (!(std::isfinite(scale) && scale >= 0))
         throw Error(fmt::format("the intensity is {}", scale), "environment", "It has to be finite and not negative.");
     if (!std::isfinite(rotation_deg))
         throw Error(fmt::format("the rotation is {} degrees", rotation_deg), "environment", "It has to be finite.");
-
-    for (int y = 0; y < height; ++y) {
-        for (int x = 0; x < width; ++x) {
+    for (int y = 0; y < image.height; ++y) {
+        for (int x = 0; x < image.width; ++x) {
             glm::vec3& pixel = image.at(x, y);
             if (!is_valid(pixel)) throw bad_radiance(pixel, fmt::format("environment, pixel {}, {}", x, y));
             pixel *= scale;
         }
     }
-
-    Environment environment;
     const double rotation = std::remainder(static_cast<double>(rotation_deg), 360.0) * std::numbers::pi / 180;
-    double sun_power = 0;
-    if (sun) {
-        if (!is_valid(sun->radiance)) throw bad_radiance(sun->radiance, "environment, sun");
-        if (!(sun->angular_radius > 0 && sun->angular_radius <= pi / 2))
-            throw Error(fmt::format("the angular radius is {} rad", sun->angular_radius), "environment, sun",
-                        "It has to be above 0 and at most pi/2.");
-        const glm::dvec3 d = glm::normalize(glm::dvec3(sun->direction));
-        const double c = std::cos(rotation), s = std::sin(rotation);
-        sun->direction = glm::vec3(c * d.x + s * d.z, d.y, c * d.z - s * d.x);
-        sun->radiance *= scale;
-        sun_power = luminance(sun->radiance) * sun->solid_angle();
-    }
+    if (sun) *sun = placed(*sun, rotation, scale);
+    const double sun_power = sun ? luminance(sun->radiance) * sun->solid_angle() : 0;
     if (sun_power == 0 && std::all_of(image.pixels.begin(), image.pixels.end(),
                                       [&](glm::vec3 pixel) { return pixel == image.pixels.front(); }))
         return uniform(image.pixels.front());
 
-    environment.column_sums_.reserve(static_cast<std::size_t>(width + 1) * height);
-    std::vector<double> row_sums(height);
-    for (int y = 0; y < height; ++y) {
-        double sum = 0;
-        environment.column_sums_.push_back(0);
-        for (int x = 0; x < width; ++x) {
-            sum += 0.5 * (static_cast<double>(luminance(image.at(x, y))) + luminance(image.at((x + 1) % width, y)));
-            environment.column_sums_.push_back(static_cast<float>(sum));
-        }
-        row_sums[y] = sum;
-    }
-
-    double power = 0;
-    environment.rows_.resize(height + 1);
-    for (int row = 0; row <= height; ++row) {
-        const auto polar_angle = [&](int pixel_row) {  // of its centre
-            return std::numbers::pi * std::clamp(pixel_row + 0.5, 0.0, static_cast<double>(height)) / height;
-        };
-        const double top = row == 0 ? 0 : polar_angle(row - 1);
-        const double bottom = row == height ? std::numbers::pi : polar_angle(row);
-        const auto depth = [&](double angle) {
-            const double s = std::sin(0.5 * (2 * row <= height ? angle : std::numbers::pi - angle));
-            return 2 * s * s;
-        };
-        const double sum_above = row_sums[std::max(row - 1, 0)];
-        const double sum_below = row_sums[std::min(row, height - 1)];
-        environment.rows_[row] = {static_cast<float>(depth(top)), static_cast<float>(depth(bottom)),
-                                  static_cast<float>(power), static_cast<float>(sum_above),
-                                  static_cast<float>(sum_below)};
-        power += std::numbers::pi / width * std::abs(depth(top) - depth(bottom)) * (sum_above + sum_below);
-    }
-    const double whole = power + sun_power;
-    if (!(whole <= brightest_power))
-        throw Error(fmt::format("its radiance adds up to {:g} cd/m^2 sr", whole), "environment",
-                    fmt::format("Scale it down: at most {:g} can be computed with.", brightest_power));
-    if (whole < faintest_power) return {};
-
-    environment.image_power_ = static_cast<float>(power);
-    environment.row_guide_.resize(guide_size(height + 1));
-    make_guide(
-        height + 1, [&](int i) { return i > height ? environment.image_power_ : environment.rows_[i].cumulative; },
-        environment.row_guide_.data());
-    environment.column_guides_.resize(static_cast<std::size_t>(height) * guide_size(width));
-    for (int y = 0; y < height; ++y) {
-        const float* sums = environment.column_sums_.data() + static_cast<std::size_t>(y) * (width + 1);
-        make_guide(
-            width, [&](int i) { return sums[i]; },
-            environment.column_guides_.data() + static_cast<std::size_t>(y) * guide_size(width));
-    }
-
+    Environment environment;
     environment.image_ = std::move(image);
-    environment.inverse_power_ = static_cast<float>(1 / whole);
+    const double image_power = environment.tabulate();
+    const double power = image_power + sun_power;
+    if (!(power <= brightest_power))
+        throw Error(fmt::format("its radiance adds up to {:g} cd/m^2 sr", power), "environment",
+                    fmt::format("Scale it down: at most {:g} can be computed with.", brightest_power));
+    if (power < faintest_power) return {};
+
+    const int width = environment.image_.width;
+    environment.inverse_power_ = static_cast<float>(1 / power);
     environment.columns_per_radian_ = static_cast<float>(width / (2 * std::numbers::pi));
     environment.first_column_ = static_cast<float>(0.5 * width - 0.5 + width * rotation / (2 * std::numbers::pi));
     if (sun_power > 0) {
         environment.sun_ = *sun;
         environment.sun_chord_squared_ = static_cast<float>(sun->solid_angle() / std::numbers::pi);
-        environment.sun_share_ = static_cast<float>(sun_power / whole);
+        environment.sun_share_ = static_cast<float>(sun_power / power);
     }
     return environment;
+}
+
+double Environment::tabulate() {
+    const int width = image_.width;
+    const int height = image_.height;
+
+    // Integrals along the rows of pixels, from centre to centre.
+    std::vector<double> row_sums(height);
+    column_sums_.reserve(static_cast<std::size_t>(width + 1) * height);
+    column_guides_.resize(static_cast<std::size_t>(guide_size(width)) * height);
+    for (int y = 0; y < height; ++y) {
+        const std::size_t first = column_sums_.size();
+        double sum = 0;
+        column_sums_.push_back(0);
+        for (int x = 0; x < width; ++x) {
+            const int right = x + 1 == width ? 0 : x + 1;
+            sum += 0.5 * (static_cast<double>(luminance(image_.at(x, y))) + luminance(image_.at(right, y)));
+            column_sums_.push_back(static_cast<float>(sum));
+        }
+        row_sums[y] = sum;
+        make_guide(
+            width, [&](int i) { return column_sums_[first + i]; },
+            column_guides_.data() + static_cast<std::size_t>(guide_size(width)) * y);
+    }
+
+    // Rows of cells, between the centres of pixel row - 1 and row, or a pole.
+    double power = 0;
+    rows_.reserve(height + 1);
+    for (int row = 0; row <= height; ++row) {
+        const auto depth_of = [&](double pixels_from_top) {
+            const double angle =
+                std::numbers::pi * std::clamp(pixels_from_top, 0.0, static_cast<double>(height)) / height;
+            const double sine = std::sin(0.5 * (2 * row <= height ? angle : std::numbers::pi - angle));
+            return 2 * sine * sine;
+        };
+        const double depth_above = depth_of(row - 0.5);
+        const double depth_below = depth_of(row + 0.5);
+        const double sum_above = row_sums[std::max(row - 1, 0)];
+        const double sum_below = row_sums[std::min(row, height - 1)];
+        rows_.push_back({static_cast<float>(depth_above), static_cast<float>(depth_below), static_cast<float>(power),
+                         static_cast<float>(sum_above), static_cast<float>(sum_below)});
+        const double cell_size = 2 * std::numbers::pi / width * std::abs(depth_below - depth_above);
+        power += cell_size * 0.5 * (sum_above + sum_below);
+    }
+    image_power_ = static_cast<float>(power);
+    row_guide_.resize(guide_size(height + 1));
+    make_guide(
+        height + 1, [&](int i) { return i > height ? image_power_ : rows_[i].cumulative; }, row_guide_.data());
+    return power;
 }
 
 bool Environment::is_black() const noexcept {
@@ -293,14 +302,14 @@ glm::vec3 Environment::image_direction(glm::vec2 u) const noexcept {
     int row = above;
     if (above != below) {
         const float from_above = (1 - t) * cells.sum_above;
-        const float share = from_above / (from_above + t * cells.sum_below);
-        if (u.y < share) {
-            u.y /= share;
+        const float from_below = t * cells.sum_below;
+        const float place = u.y * (from_above + from_below);
+        if (place < from_above) {
+            u.y = place / from_above;
         } else {
-            u.y = (u.y - share) / (1 - share);
             row = below;
+            u.y = from_below > 0 ? (place - from_above) / from_below : 0;
         }
-        u.y = std::min(u.y, 0x1.fffffep-1F);
     }
     const float* row_sums = column_sums_.data() + static_cast<std::size_t>(row) * (width + 1);
     const Interval in_columns = find_interval(

@@ -95,6 +95,8 @@ class Environment {
         float depth = 0;  // by solid angle: for the density
     };
 
+    /// Fills the tables below from image_; returns its power.
+    double tabulate();
     [[nodiscard]] Place place_of(glm::vec3 direction) const noexcept;
     [[nodiscard]] glm::vec3 image_direction(glm::vec2 u) const noexcept;
     [[nodiscard]] glm::vec3 sun_direction(glm::vec2 u) const noexcept;
