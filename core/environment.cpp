@@ -38,40 +38,58 @@ float sample_linear(float a, float b, float u) {
     return denominator > 0 ? std::min(u / denominator, 1.0F) : 0;
 }
 
-/// Buckets of a guide to a distribution of `count` intervals. A quarter as many buckets as intervals leaves about four
-/// neighbours to step over, which share a cache line.
-int guide_size(int count) {
-    return (count + 3) / 4;
+/// A quarter as many buckets as intervals leaves a few neighbours to search, which share a cache line.
+int bucket_count(int intervals) {
+    return (intervals + 3) / 4;
 }
 
 /// Cut points of a distribution function (Chen and Asau, "On Generating Random Variates from an Empirical
-/// Distribution", 1974): for each bucket of [0, 1) the last interval that begins at or below its lower end.
+/// Distribution", 1974): guide[b] is the last interval that begins at or below b / bucket_count of the total, and the
+/// last entry is the last interval, so that the interval of a share within bucket b lies between guide[b] and guide[b +
+/// 1].
 ///
-/// cumulative  of i in [0, count]: non-decreasing, 0 at 0
+/// cumulative  of i in [0, intervals]: non-decreasing, 0 at 0
 template <typename Cumulative>
-void make_guide(int count, Cumulative cumulative, std::uint32_t* guide) {
-    const int size = guide_size(count);
-    const double total = cumulative(count);
+void make_guide(int intervals, Cumulative cumulative, std::uint32_t* guide) {
+    const int buckets = bucket_count(intervals);
+    const double total = cumulative(intervals);
     int interval = 0;
-    for (int bucket = 0; bucket < size; ++bucket) {
-        while (interval + 1 < count && cumulative(interval + 1) <= total * bucket / size) ++interval;
-        guide[bucket] = static_cast<std::uint32_t>(interval);
+    for (int b = 0; b < buckets; ++b) {
+        while (interval + 1 < intervals && cumulative(interval + 1) <= total * b / buckets) ++interval;
+        guide[b] = static_cast<std::uint32_t>(interval);
     }
+    guide[buckets] = static_cast<std::uint32_t>(intervals - 1);
 }
 
-/// The interval that holds the share u in [0, 1) of the total, and where in it; expected cost O(1).
+/// Bounds of an interval, both within reach.
+struct Bracket {
+    int first = 0;
+    int last = 0;
+};
+
+Bracket look_up_guide(const std::uint32_t* guide, int intervals, float u) {
+    const int buckets = bucket_count(intervals);
+    const int b = std::min(static_cast<int>(u * static_cast<float>(buckets)), buckets - 1);
+    return {static_cast<int>(guide[b]), static_cast<int>(guide[b + 1])};
+}
+
 struct Interval {
     int index = 0;
     float fraction = 0;  // in [0, 1]
 };
 
+/// The interval that holds the share u in [0, 1) of the total, and where in it; known to within rounding by `bracket`.
 template <typename Cumulative>
-Interval find_interval(int count, float total, float u, Cumulative cumulative, const std::uint32_t* guide) {
-    const float x = std::min(u, 0x1.fffffcp-1F) * total;  // rounds to below the total: the interval is not empty
-    const int size = guide_size(count);
-    int i = static_cast<int>(guide[std::min(static_cast<int>(u * static_cast<float>(size)), size - 1)]);
-    while (cumulative(i) > x) --i;  // rounding may have led one bucket too far
-    while (i + 1 < count && cumulative(i + 1) <= x) ++i;
+Interval find_interval(int intervals, float u, Cumulative cumulative, Bracket bracket) {
+    const float x = std::min(u, 0x1.fffffcp-1F) * cumulative(intervals);  // below the total: in an interval not empty
+    int i = bracket.first;
+    for (int count = bracket.last - bracket.first + 1; count > 1;) {
+        const int half = count / 2;
+        if (cumulative(i + half) <= x) i += half;
+        count -= half;
+    }
+    while (i > 0 && cumulative(i) > x) --i;
+    while (i + 1 < intervals && cumulative(i + 1) <= x) ++i;
     const float length = cumulative(i + 1) - cumulative(i);
     return {i, length > 0 ? (x - cumulative(i)) / length : 0};  // 0 only where the total is
 }
@@ -176,7 +194,7 @@ double Environment::tabulate() {
     // Integrals along the rows of pixels, from centre to centre.
     std::vector<double> row_sums(height);
     column_sums_.reserve(static_cast<std::size_t>(width + 1) * height);
-    column_guides_.resize(static_cast<std::size_t>(guide_size(width)) * height);
+    column_guides_.resize(static_cast<std::size_t>(bucket_count(width) + 1) * height);
     for (int y = 0; y < height; ++y) {
         const std::size_t first = column_sums_.size();
         double sum = 0;
@@ -189,7 +207,7 @@ double Environment::tabulate() {
         row_sums[y] = sum;
         make_guide(
             width, [&](int i) { return column_sums_[first + i]; },
-            column_guides_.data() + static_cast<std::size_t>(guide_size(width)) * y);
+            column_guides_.data() + static_cast<std::size_t>(bucket_count(width) + 1) * y);
     }
 
     // Rows of cells, between the centres of pixel row - 1 and row, or a pole.
@@ -212,7 +230,7 @@ double Environment::tabulate() {
         power += cell_size * 0.5 * (sum_above + sum_below);
     }
     image_power_ = static_cast<float>(power);
-    row_guide_.resize(guide_size(height + 1));
+    row_guide_.resize(bucket_count(height + 1) + 1);
     make_guide(
         height + 1, [&](int i) { return i > height ? image_power_ : rows_[i].cumulative; }, row_guide_.data());
     return power;
@@ -285,40 +303,39 @@ float Environment::pdf(glm::vec3 direction) const noexcept {
     return look_up(direction).pdf;
 }
 
-/// Draws from the bilinear luminance: the row of cells and the depth in it; one of the two pixel rows that meet there,
-/// by what each contributes at that depth; and the place along it, between two pixels, by their linear mixture.
+/// Inverts the distribution function of the bilinear luminance, first from row to row, then along the row: what lies
+/// between two rows of pixels at depth t is their mixture, and has the mixture of their sums as distribution function.
 glm::vec3 Environment::image_direction(glm::vec2 u) const noexcept {
     const int width = image_.width;
     const int height = image_.height;
 
-    const Interval in_rows = find_interval(
-        height + 1, image_power_, u.x, [&](int i) { return i > height ? image_power_ : rows_[i].cumulative; },
-        row_guide_.data());
+    const auto power_above = [&](int i) { return i > height ? image_power_ : rows_[i].cumulative; };
+    const Interval in_rows =
+        find_interval(height + 1, u.x, power_above, look_up_guide(row_guide_.data(), height + 1, u.x));
     const CellRow& cells = rows_[in_rows.index];
     const int above = std::max(in_rows.index - 1, 0);
     const int below = std::min(in_rows.index, height - 1);
     const float t = sample_linear(cells.sum_above, cells.sum_below, in_rows.fraction);
 
-    int row = above;
-    if (above != below) {
-        const float from_above = (1 - t) * cells.sum_above;
-        const float from_below = t * cells.sum_below;
-        const float place = u.y * (from_above + from_below);
-        if (place < from_above) {
-            u.y = place / from_above;
-        } else {
-            row = below;
-            u.y = from_below > 0 ? (place - from_above) / from_below : 0;
-        }
-    }
-    const float* row_sums = column_sums_.data() + static_cast<std::size_t>(row) * (width + 1);
-    const Interval in_columns = find_interval(
-        width, row == above ? cells.sum_above : cells.sum_below, u.y, [&](int i) { return row_sums[i]; },
-        column_guides_.data() + static_cast<std::size_t>(row) * guide_size(width));
+    const auto sums = [&](int row) { return column_sums_.data() + static_cast<std::size_t>(row) * (width + 1); };
+    const auto guide = [&](int row) {
+        return look_up_guide(column_guides_.data() + static_cast<std::size_t>(row) * (bucket_count(width) + 1), width,
+                             u.y);
+    };
+    const auto sum_left_of = [&, sums_above = sums(above), sums_below = sums(below)](int i) {
+        return mix(sums_above[i], sums_below[i], t);
+    };
+    // A quantile of a mixture lies between those of its parts.
+    const Bracket a = guide(above);
+    const Bracket b = guide(below);
+    const Interval in_columns =
+        find_interval(width, u.y, sum_left_of, {std::min(a.first, b.first), std::max(a.last, b.last)});
     const int left = in_columns.index;
     const int right = left + 1 == width ? 0 : left + 1;
-    const float x =
-        sample_linear(luminance(image_.at(left, row)), luminance(image_.at(right, row)), in_columns.fraction);
+    const auto luminance_at = [&](int x) {
+        return mix(luminance(image_.at(x, above)), luminance(image_.at(x, below)), t);
+    };
+    const float x = sample_linear(luminance_at(left), luminance_at(right), in_columns.fraction);
 
     const float depth = mix(cells.depth_above, cells.depth_below, t);
     const float y = 2 * in_rows.index <= height ? 1 - depth : depth - 1;
