@@ -38,41 +38,60 @@ float sample_linear(float a, float b, float u) {
     return denominator > 0 ? std::min(u / denominator, 1.0F) : 0;
 }
 
-/// Buckets of a guide to a distribution of `count` intervals. A quarter as many buckets as intervals leaves about four
-/// neighbours to step over, which share a cache line.
-int guide_size(int count) {
-    return (count + 3) / 4;
+/// A quarter as many buckets as intervals leaves a few neighbours to search, which share a cache line.
+int bucket_count(int intervals) {
+    return (intervals + 3) / 4;
 }
 
 /// Cut points of a distribution function (Chen and Asau, "On Generating Random Variates from an Empirical
-/// Distribution", 1974): for each bucket of [0, 1) the last interval that begins at or below its lower end.
+/// Distribution", 1974): guide[b] is the last interval that begins at or below b / bucket_count of the total, and the
+/// last entry is the last interval, so that the interval of a share within bucket b lies between guide[b] and guide[b +
+/// 1].
 ///
-/// cumulative  of i in [0, count]: non-decreasing, 0 at 0
+/// cumulative  of i in [0, intervals]: non-decreasing, 0 at 0
 template <typename Cumulative>
-void make_guide(int count, Cumulative cumulative, std::uint32_t* guide) {
-    const int size = guide_size(count);
-    const double total = cumulative(count);
+void make_guide(int intervals, Cumulative cumulative, std::uint32_t* guide) {
+    const int buckets = bucket_count(intervals);
+    const double total = cumulative(intervals);
     int interval = 0;
-    for (int bucket = 0; bucket < size; ++bucket) {
-        while (interval + 1 < count && cumulative(interval + 1) <= total * bucket / size) ++interval;
-        guide[bucket] = static_cast<std::uint32_t>(interval);
+    for (int b = 0; b < buckets; ++b) {
+        while (interval + 1 < intervals && cumulative(interval + 1) <= total * b / buckets) ++interval;
+        guide[b] = static_cast<std::uint32_t>(interval);
     }
+    guide[buckets] = static_cast<std::uint32_t>(intervals - 1);
 }
 
-/// The interval that holds the share u in [0, 1) of the total, and where in it; expected cost O(1).
+/// Bounds of an interval, both within reach.
+struct Bracket {
+    int first = 0;
+    int last = 0;
+};
+
+Bracket look_up_guide(const std::uint32_t* guide, int intervals, float u) {
+    const int buckets = bucket_count(intervals);
+    const int b = std::min(static_cast<int>(u * static_cast<float>(buckets)), buckets - 1);
+    return {static_cast<int>(guide[b]), static_cast<int>(guide[b + 1])};
+}
+
 struct Interval {
     int index = 0;
     float fraction = 0;  // in [0, 1]
 };
 
+/// The interval that holds the share u in [0, 1) of the total, and where in it; known to within rounding by `bracket`.
 template <typename Cumulative>
-Interval find_interval(int count, float total, float u, Cumulative cumulative, const std::uint32_t* guide) {
-    const float x = std::min(u, 0x1.fffffcp-1F) * total;  // rounds to below the total: the interval is not empty
-    const int size = guide_size(count);
-    int i = static_cast<int>(guide[std::min(static_cast<int>(u * static_cast<float>(size)), size - 1)]);
-    while (cumulative(i) > x) --i;  // rounding may have led one bucket too far
-    while (i + 1 < count && cumulative(i + 1) <= x) ++i;
-    return {i, (x - cumulative(i)) / (cumulative(i + 1) - cumulative(i))};
+Interval find_interval(int intervals, float u, Cumulative cumulative, Bracket bracket) {
+    const float x = std::min(u, 0x1.fffffcp-1F) * cumulative(intervals);  // below the total: in an interval not empty
+    int i = bracket.first;
+    for (int count = bracket.last - bracket.first + 1; count > 1;) {
+        const int half = count / 2;
+        if (cumulative(i + half) <= x) i += half;
+        count -= half;
+    }
+    while (i > 0 && cumulative(i) > x) --i;
+    while (i + 1 < intervals && cumulative(i + 1) <= x) ++i;
+    const float length = cumulative(i + 1) - cumulative(i);
+    return {i, length > 0 ? (x - cumulative(i)) / length : 0};  // 0 only where the total is
 }
 
 /// atan2 within 4e-7 rad, several times as fast as the exact one; 0 at the origin. Polynomial of degree 15 on [0, 1] by
@@ -90,6 +109,20 @@ float fast_atan2(float y, float x) {
     if (ay > ax) angle = 0.5F * pi - angle;
     if (x < 0) angle = pi - angle;
     return std::copysign(angle, y);
+}
+
+/// The sun of an environment that is turned (radians, as from_image) and scaled.
+SunDisc placed(SunDisc sun, double rotation, float scale) {
+    if (!is_valid(sun.radiance)) throw bad_radiance(sun.radiance, "environment, sun");
+    if (!(sun.angular_radius > 0 && sun.angular_radius <= pi / 2))
+        throw Error(fmt::format("the angular radius is {} rad", sun.angular_radius), "environment, sun",
+                    "It has to be above 0 and at most pi/2.");
+    const glm::dvec3 d = glm::normalize(glm::dvec3(sun.direction));
+    const double cosine = std::cos(rotation);
+    const double sine = std::sin(rotation);
+    sun.direction = glm::vec3(cosine * d.x + sine * d.z, d.y, cosine * d.z - sine * d.x);
+    sun.radiance *= scale;
+    return sun;
 }
 
 float mix(float a, float b, float t) {
@@ -111,102 +144,96 @@ Environment Environment::uniform(glm::vec3 radiance) {
 }
 
 Environment Environment::from_image(RadianceImage image, float rotation_deg, float scale, std::optional<SunDisc> sun) {
-    const int width = image.width;
-    const int height = image.height;
-    if (width < 1 || height < 1 || image.pixels.size() != static_cast<std::size_t>(width) * height)
-        throw Error(fmt::format("an image of {} x {} with {} pixels", width, height, image.pixels.size()),
+    if (image.width < 1 || image.height < 1 ||
+        image.pixels.size() != static_cast<std::size_t>(image.width) * image.height)
+        throw Error(fmt::format("an image of {} x {} with {} pixels", image.width, image.height, image.pixels.size()),
                     "environment");
     if (!(std::isfinite(scale) && scale >= 0))
         throw Error(fmt::format("the intensity is {}", scale), "environment", "It has to be finite and not negative.");
     if (!std::isfinite(rotation_deg))
         throw Error(fmt::format("the rotation is {} degrees", rotation_deg), "environment", "It has to be finite.");
-
-    for (int y = 0; y < height; ++y) {
-        for (int x = 0; x < width; ++x) {
+    for (int y = 0; y < image.height; ++y) {
+        for (int x = 0; x < image.width; ++x) {
             glm::vec3& pixel = image.at(x, y);
             if (!is_valid(pixel)) throw bad_radiance(pixel, fmt::format("environment, pixel {}, {}", x, y));
             pixel *= scale;
         }
     }
-
-    Environment environment;
     const double rotation = std::remainder(static_cast<double>(rotation_deg), 360.0) * std::numbers::pi / 180;
-    double sun_power = 0;
-    if (sun) {
-        if (!is_valid(sun->radiance)) throw bad_radiance(sun->radiance, "environment, sun");
-        if (!(sun->angular_radius > 0 && sun->angular_radius <= pi / 2))
-            throw Error(fmt::format("the angular radius is {} rad", sun->angular_radius), "environment, sun",
-                        "It has to be above 0 and at most pi/2.");
-        const glm::dvec3 d = glm::normalize(glm::dvec3(sun->direction));
-        const double c = std::cos(rotation), s = std::sin(rotation);
-        sun->direction = glm::vec3(c * d.x + s * d.z, d.y, c * d.z - s * d.x);
-        sun->radiance *= scale;
-        sun_power = luminance(sun->radiance) * sun->solid_angle();
-    }
+    if (sun) *sun = placed(*sun, rotation, scale);
+    const double sun_power = sun ? luminance(sun->radiance) * sun->solid_angle() : 0;
     if (sun_power == 0 && std::all_of(image.pixels.begin(), image.pixels.end(),
                                       [&](glm::vec3 pixel) { return pixel == image.pixels.front(); }))
         return uniform(image.pixels.front());
 
-    environment.column_sums_.reserve(static_cast<std::size_t>(width + 1) * height);
-    std::vector<double> row_sums(height);
-    for (int y = 0; y < height; ++y) {
-        double sum = 0;
-        environment.column_sums_.push_back(0);
-        for (int x = 0; x < width; ++x) {
-            sum += 0.5 * (static_cast<double>(luminance(image.at(x, y))) + luminance(image.at((x + 1) % width, y)));
-            environment.column_sums_.push_back(static_cast<float>(sum));
-        }
-        row_sums[y] = sum;
-    }
-
-    double power = 0;
-    environment.rows_.resize(height + 1);
-    for (int row = 0; row <= height; ++row) {
-        const auto polar_angle = [&](int pixel_row) {  // of its centre
-            return std::numbers::pi * std::clamp(pixel_row + 0.5, 0.0, static_cast<double>(height)) / height;
-        };
-        const double top = row == 0 ? 0 : polar_angle(row - 1);
-        const double bottom = row == height ? std::numbers::pi : polar_angle(row);
-        const auto depth = [&](double angle) {
-            const double s = std::sin(0.5 * (2 * row <= height ? angle : std::numbers::pi - angle));
-            return 2 * s * s;
-        };
-        const double sum_above = row_sums[std::max(row - 1, 0)];
-        const double sum_below = row_sums[std::min(row, height - 1)];
-        environment.rows_[row] = {static_cast<float>(depth(top)), static_cast<float>(depth(bottom)),
-                                  static_cast<float>(power), static_cast<float>(sum_above),
-                                  static_cast<float>(sum_below)};
-        power += std::numbers::pi / width * std::abs(depth(top) - depth(bottom)) * (sum_above + sum_below);
-    }
-    const double whole = power + sun_power;
-    if (!(whole <= brightest_power))
-        throw Error(fmt::format("its radiance adds up to {:g} cd/m^2 sr", whole), "environment",
-                    fmt::format("Scale it down: at most {:g} can be computed with.", brightest_power));
-    if (whole < faintest_power) return {};
-
-    environment.image_power_ = static_cast<float>(power);
-    environment.row_guide_.resize(guide_size(height + 1));
-    make_guide(
-        height + 1, [&](int i) { return i > height ? environment.image_power_ : environment.rows_[i].cumulative; },
-        environment.row_guide_.data());
-    environment.column_guides_.resize(static_cast<std::size_t>(height) * guide_size(width));
-    for (int y = 0; y < height; ++y) {
-        const float* sums = environment.column_sums_.data() + static_cast<std::size_t>(y) * (width + 1);
-        make_guide(
-            width, [&](int i) { return sums[i]; },
-            environment.column_guides_.data() + static_cast<std::size_t>(y) * guide_size(width));
-    }
-
+    Environment environment;
     environment.image_ = std::move(image);
-    environment.inverse_power_ = static_cast<float>(1 / whole);
+    const double image_power = environment.tabulate();
+    const double power = image_power + sun_power;
+    if (!(power <= brightest_power))
+        throw Error(fmt::format("its radiance adds up to {:g} cd/m^2 sr", power), "environment",
+                    fmt::format("Scale it down: at most {:g} can be computed with.", brightest_power));
+    if (power < faintest_power) return {};
+
+    const int width = environment.image_.width;
+    environment.inverse_power_ = static_cast<float>(1 / power);
     environment.columns_per_radian_ = static_cast<float>(width / (2 * std::numbers::pi));
     environment.first_column_ = static_cast<float>(0.5 * width - 0.5 + width * rotation / (2 * std::numbers::pi));
     if (sun_power > 0) {
         environment.sun_ = *sun;
         environment.sun_chord_squared_ = static_cast<float>(sun->solid_angle() / std::numbers::pi);
-        environment.sun_share_ = static_cast<float>(sun_power / whole);
+        environment.sun_share_ = static_cast<float>(sun_power / power);
     }
     return environment;
+}
+
+double Environment::tabulate() {
+    const int width = image_.width;
+    const int height = image_.height;
+
+    // Integrals along the rows of pixels, from centre to centre.
+    std::vector<double> row_sums(height);
+    column_sums_.reserve(static_cast<std::size_t>(width + 1) * height);
+    column_guides_.resize(static_cast<std::size_t>(bucket_count(width) + 1) * height);
+    for (int y = 0; y < height; ++y) {
+        const std::size_t first = column_sums_.size();
+        double sum = 0;
+        column_sums_.push_back(0);
+        for (int x = 0; x < width; ++x) {
+            const int right = x + 1 == width ? 0 : x + 1;
+            sum += 0.5 * (static_cast<double>(luminance(image_.at(x, y))) + luminance(image_.at(right, y)));
+            column_sums_.push_back(static_cast<float>(sum));
+        }
+        row_sums[y] = sum;
+        make_guide(
+            width, [&](int i) { return column_sums_[first + i]; },
+            column_guides_.data() + static_cast<std::size_t>(bucket_count(width) + 1) * y);
+    }
+
+    // Rows of cells, between the centres of pixel row - 1 and row, or a pole.
+    double power = 0;
+    rows_.reserve(height + 1);
+    for (int row = 0; row <= height; ++row) {
+        const auto depth_of = [&](double pixels_from_top) {
+            const double angle =
+                std::numbers::pi * std::clamp(pixels_from_top, 0.0, static_cast<double>(height)) / height;
+            const double sine = std::sin(0.5 * (2 * row <= height ? angle : std::numbers::pi - angle));
+            return 2 * sine * sine;
+        };
+        const double depth_above = depth_of(row - 0.5);
+        const double depth_below = depth_of(row + 0.5);
+        const double sum_above = row_sums[std::max(row - 1, 0)];
+        const double sum_below = row_sums[std::min(row, height - 1)];
+        rows_.push_back({static_cast<float>(depth_above), static_cast<float>(depth_below), static_cast<float>(power),
+                         static_cast<float>(sum_above), static_cast<float>(sum_below)});
+        const double cell_size = 2 * std::numbers::pi / width * std::abs(depth_below - depth_above);
+        power += cell_size * 0.5 * (sum_above + sum_below);
+    }
+    image_power_ = static_cast<float>(power);
+    row_guide_.resize(bucket_count(height + 1) + 1);
+    make_guide(
+        height + 1, [&](int i) { return i > height ? image_power_ : rows_[i].cumulative; }, row_guide_.data());
+    return power;
 }
 
 bool Environment::is_black() const noexcept {
@@ -276,40 +303,39 @@ float Environment::pdf(glm::vec3 direction) const noexcept {
     return look_up(direction).pdf;
 }
 
-/// Draws from the bilinear luminance: the row of cells and the depth in it; one of the two pixel rows that meet there,
-/// by what each contributes at that depth; and the place along it, between two pixels, by their linear mixture.
+/// Inverts the distribution function of the bilinear luminance, first from row to row, then along the row: what lies
+/// between two rows of pixels at depth t is their mixture, and has the mixture of their sums as distribution function.
 glm::vec3 Environment::image_direction(glm::vec2 u) const noexcept {
     const int width = image_.width;
     const int height = image_.height;
 
-    const Interval in_rows = find_interval(
-        height + 1, image_power_, u.x, [&](int i) { return i > height ? image_power_ : rows_[i].cumulative; },
-        row_guide_.data());
+    const auto power_above = [&](int i) { return i > height ? image_power_ : rows_[i].cumulative; };
+    const Interval in_rows =
+        find_interval(height + 1, u.x, power_above, look_up_guide(row_guide_.data(), height + 1, u.x));
     const CellRow& cells = rows_[in_rows.index];
     const int above = std::max(in_rows.index - 1, 0);
     const int below = std::min(in_rows.index, height - 1);
     const float t = sample_linear(cells.sum_above, cells.sum_below, in_rows.fraction);
 
-    int row = above;
-    if (above != below) {
-        const float from_above = (1 - t) * cells.sum_above;
-        const float share = from_above / (from_above + t * cells.sum_below);
-        if (u.y < share) {
-            u.y /= share;
-        } else {
-            u.y = (u.y - share) / (1 - share);
-            row = below;
-        }
-        u.y = std::min(u.y, 0x1.fffffep-1F);
-    }
-    const float* row_sums = column_sums_.data() + static_cast<std::size_t>(row) * (width + 1);
-    const Interval in_columns = find_interval(
-        width, row == above ? cells.sum_above : cells.sum_below, u.y, [&](int i) { return row_sums[i]; },
-        column_guides_.data() + static_cast<std::size_t>(row) * guide_size(width));
+    const auto sums = [&](int row) { return column_sums_.data() + static_cast<std::size_t>(row) * (width + 1); };
+    const auto guide = [&](int row) {
+        return look_up_guide(column_guides_.data() + static_cast<std::size_t>(row) * (bucket_count(width) + 1), width,
+                             u.y);
+    };
+    const auto sum_left_of = [&, sums_above = sums(above), sums_below = sums(below)](int i) {
+        return mix(sums_above[i], sums_below[i], t);
+    };
+    // A quantile of a mixture lies between those of its parts.
+    const Bracket a = guide(above);
+    const Bracket b = guide(below);
+    const Interval in_columns =
+        find_interval(width, u.y, sum_left_of, {std::min(a.first, b.first), std::max(a.last, b.last)});
     const int left = in_columns.index;
     const int right = left + 1 == width ? 0 : left + 1;
-    const float x =
-        sample_linear(luminance(image_.at(left, row)), luminance(image_.at(right, row)), in_columns.fraction);
+    const auto luminance_at = [&](int x) {
+        return mix(luminance(image_.at(x, above)), luminance(image_.at(x, below)), t);
+    };
+    const float x = sample_linear(luminance_at(left), luminance_at(right), in_columns.fraction);
 
     const float depth = mix(cells.depth_above, cells.depth_below, t);
     const float y = 2 * in_rows.index <= height ? 1 - depth : depth - 1;

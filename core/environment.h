@@ -23,13 +23,14 @@ struct SunDisc {
 ///
 /// Equirectangular: the centre column is +X, u grows from +X towards +Z, the top row is +Y. Bilinear in the two angles
 /// between pixel centres, which lie at (i + 1/2) / size; beyond the centres of the first and last row it is constant
-/// towards the pole.
+/// towards the pole; so the pixels of these two rows weigh 8 % more than their solid angle, all others the same.
 ///
 /// Directions are drawn in proportion to the luminance of that bilinear function, so that radiance / pdf is constant
 /// for a grey environment but for a factor in [2/3, 2] within two rows of a pole and of 1 + O(1 / height) elsewhere:
 /// one pixel of 1e6 in a dark sky is no harder than a uniform one.
 ///
-/// Memory: 17 bytes a pixel (12 of it the image) and 32 a row. Cost of a sample: O(1), two guided searches.
+/// Memory: 17 bytes a pixel (12 of it the image) and 32 a row. Cost of a sample: O(1) but between rows that share
+/// nothing, then O(log width).
 class Environment {
   public:
     struct Sample {
@@ -95,6 +96,8 @@ class Environment {
         float depth = 0;  // by solid angle: for the density
     };
 
+    /// Fills the tables below from image_; returns its power.
+    double tabulate();
     [[nodiscard]] Place place_of(glm::vec3 direction) const noexcept;
     [[nodiscard]] glm::vec3 image_direction(glm::vec2 u) const noexcept;
     [[nodiscard]] glm::vec3 sun_direction(glm::vec2 u) const noexcept;
@@ -103,9 +106,9 @@ class Environment {
     glm::vec3 uniform_{0};  // meaningful where there is no image
     RadianceImage image_;
     std::vector<CellRow> rows_;                 // height + 1
-    std::vector<std::uint32_t> row_guide_;      // where to begin a search in rows_
+    std::vector<std::uint32_t> row_guide_;      // where to search in rows_
     std::vector<float> column_sums_;            // per pixel row width + 1: luminance integrated from the first centre
-    std::vector<std::uint32_t> column_guides_;  // per pixel row guide_size(width): where to begin a search in it
+    std::vector<std::uint32_t> column_guides_;  // per pixel row: where to search in it
     float image_power_ = 0;                     // luminance of the image integrated over the sphere, cd/m^2 sr
     float columns_per_radian_ = 0;
     float first_column_ = 0;  // column coordinate of azimuth 0, towards +X

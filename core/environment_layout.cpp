@@ -143,42 +143,62 @@ Spot latlong_spot(glm::ivec2 size, glm::vec3 direction) {
     return {glm::ivec2(0), size, from_edge * glm::vec2(size - 1)};
 }
 
-/// Averages of light(direction) over the pixels of an equirectangular image.
+/// Average of light(direction) over a pixel of an equirectangular image, from samples x samples points.
+struct Average {
+    glm::vec3 value{0};
+    float contrast = 0;  // of the points' luminance
+};
+
+template <typename Light>
+Average average_over_pixel(glm::ivec2 size, glm::ivec2 pixel, int samples, const Light& light) {
+    const float top = std::cos(pi * static_cast<float>(pixel.y) / static_cast<float>(size.y));
+    const float bottom = std::cos(pi * static_cast<float>(pixel.y + 1) / static_cast<float>(size.y));
+    const float step = 1 / static_cast<float>(samples);
+    glm::dvec3 sum(0);
+    float lowest = std::numeric_limits<float>::infinity();
+    float highest = 0;
+    for (int i = 0; i < samples; ++i) {
+        const float y = glm::mix(top, bottom, (static_cast<float>(i) + 0.5F) * step);
+        const float from_axis = std::sqrt(std::max(1 - y * y, 0.0F));
+        for (int j = 0; j < samples; ++j) {
+            const float u =
+                (static_cast<float>(pixel.x) + (static_cast<float>(j) + 0.5F) * step) / static_cast<float>(size.x);
+            const float azimuth = 2 * pi * (u - 0.5F);
+            const glm::vec3 value = light(glm::vec3(from_axis * std::cos(azimuth), y, from_axis * std::sin(azimuth)));
+            sum += value;
+            lowest = std::min(lowest, luminance(value));
+            highest = std::max(highest, luminance(value));
+        }
+    }
+    return {glm::vec3(sum / static_cast<double>(samples * samples)), highest - lowest};
+}
+
+/// The light as an equirectangular image. Few points find where it varies; there, and one pixel around, where they may
+/// have missed the fringe of something small and bright, many are taken.
 template <typename Light>
 RadianceImage resample(glm::ivec2 size, const Light& light) {
+    constexpr int few = 2;
+    constexpr int many = 8;
     RadianceImage image{size.x, size.y, std::vector<glm::vec3>(static_cast<std::size_t>(size.x) * size.y)};
-    const auto average = [&](glm::ivec2 pixel, int samples, float& contrast) {
-        const float top = std::cos(pi * static_cast<float>(pixel.y) / static_cast<float>(size.y));
-        const float bottom = std::cos(pi * static_cast<float>(pixel.y + 1) / static_cast<float>(size.y));
-        const float step = 1 / static_cast<float>(samples);
-        glm::dvec3 sum(0);
-        float lowest = std::numeric_limits<float>::infinity();
-        float highest = 0;
-        for (int i = 0; i < samples; ++i) {
-            const float y = glm::mix(top, bottom, (static_cast<float>(i) + 0.5F) * step);
-            const float from_axis = std::sqrt(std::max(1 - y * y, 0.0F));
-            for (int j = 0; j < samples; ++j) {
-                const float u =
-                    (static_cast<float>(pixel.x) + (static_cast<float>(j) + 0.5F) * step) / static_cast<float>(size.x);
-                const float azimuth = 2 * pi * (u - 0.5F);
-                const glm::vec3 value = light({from_axis * std::cos(azimuth), y, from_axis * std::sin(azimuth)});
-                sum += value;
-                lowest = std::min(lowest, luminance(value));
-                highest = std::max(highest, luminance(value));
-            }
-        }
-        contrast = highest - lowest;
-        return glm::vec3(sum / static_cast<double>(samples * samples));
+    std::vector<std::uint8_t> varies(image.pixels.size());
+    const auto index = [&](int x, int y) {
+        return static_cast<std::size_t>(std::clamp(y, 0, size.y - 1)) * size.x + (x + size.x) % size.x;
     };
     for_each_index(static_cast<std::size_t>(size.y), [&](std::size_t row) {
-        constexpr int few = 2;
-        constexpr int many = 8;
+        const int y = static_cast<int>(row);
         for (int x = 0; x < size.x; ++x) {
-            const glm::ivec2 pixel(x, static_cast<int>(row));
-            float contrast = 0;
-            glm::vec3 value = average(pixel, few, contrast);
-            if (contrast > luminance(value)) value = average(pixel, many, contrast);
-            image.at(pixel.x, pixel.y) = value;
+            const Average average = average_over_pixel(size, {x, y}, few, light);
+            image.at(x, y) = average.value;
+            varies[index(x, y)] = average.contrast > luminance(average.value) ? 1 : 0;
+        }
+    });
+    for_each_index(static_cast<std::size_t>(size.y), [&](std::size_t row) {
+        const int y = static_cast<int>(row);
+        for (int x = 0; x < size.x; ++x) {
+            bool near = false;
+            for (int j = -1; j <= 1; ++j)
+                for (int i = -1; i <= 1; ++i) near = near || varies[index(x + i, y + j)] != 0;
+            if (near) image.at(x, y) = average_over_pixel(size, {x, y}, many, light).value;
         }
     });
     return image;
@@ -211,7 +231,7 @@ EnvironmentLayout layout_of_shape(int width, int height) noexcept {
     if (3 * w == 4 * h) return EnvironmentLayout::horizontal_cross;
     if (4 * w == 3 * h) return EnvironmentLayout::vertical_cross;
     if (w == 6 * h || h == 6 * w) return EnvironmentLayout::strip;
-    if (std::abs(w - 2 * h) <= 2) return EnvironmentLayout::equirectangular;
+    if (100 * std::abs(w - 2 * h) <= h) return EnvironmentLayout::equirectangular;
     return EnvironmentLayout::automatic;
 }
 

@@ -44,7 +44,7 @@ enum class EnvironmentLayout : std::uint8_t {
 [[nodiscard]] EnvironmentLayout parse_environment_layout(std::string_view name);
 [[nodiscard]] std::string_view name_of(EnvironmentLayout layout) noexcept;
 
-/// The layout that an image of this shape most probably has; `automatic` where none fits. 2:1 within two pixels is
+/// The layout that an image of this shape most probably has; `automatic` where none fits. 2:1 within 1 % is
 /// equirectangular, a square is angular.
 [[nodiscard]] EnvironmentLayout layout_of_shape(int width, int height) noexcept;
 

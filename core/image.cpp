@@ -17,6 +17,7 @@
 #include <limits>
 #include <memory>
 #include <string_view>
+#include <zlib.h>
 
 namespace lightgrid {
 namespace {
@@ -68,6 +69,27 @@ Format recognise(Bytes bytes, const std::string& where) {
     throw Error("the image is neither PNG, JPEG nor WebP", where, "Convert it to one of them.");
 }
 
+/// stb_image checks no checksums, so that damage would become wrong colours: the chunks that matter are checked here.
+bool png_is_intact(Bytes bytes) {
+    const unsigned char* data = as_chars(bytes);
+    const auto word_at = [&](std::size_t i) {
+        return std::uint32_t{data[i]} << 24 | std::uint32_t{data[i + 1]} << 16 | std::uint32_t{data[i + 2]} << 8 |
+               std::uint32_t{data[i + 3]};
+    };
+    constexpr std::size_t around = 12;  // length, type and checksum of a chunk
+    std::size_t i = 8;                  // behind the signature
+    while (bytes.size() - i >= around) {
+        const std::size_t length = word_at(i);
+        if (length > bytes.size() - i - around) return false;
+        const bool critical = (data[i + 4] & 0x20) == 0;  // an upper-case type
+        const uLong checksum = crc32(0, data + i + 4, static_cast<uInt>(length) + 4);
+        if (critical && checksum != word_at(i + 8 + length)) return false;
+        if (has_bytes_at(bytes, i + 4, "IEND")) return true;
+        i += length + around;
+    }
+    return false;
+}
+
 /// stb_image fills what a cut JPEG lacks with grey, so that its end is looked for here: walks the markers to the EOI.
 bool jpeg_is_complete(Bytes bytes) {
     const unsigned char* data = as_chars(bytes);
@@ -112,6 +134,8 @@ std::string_view stb_reason() {
 
 ByteImage decode_stb(Bytes bytes, Format format, const std::string& where) {
     const std::string_view name = format == Format::png ? "PNG" : "JPEG";
+    if (format == Format::png && !png_is_intact(bytes))
+        throw undecodable(name, "it ends too early, or a checksum is wrong", where);
     if (format == Format::jpeg && !jpeg_is_complete(bytes))
         throw undecodable(name, "it ends before its end-of-image marker", where);
 

@@ -29,6 +29,7 @@ struct ByteImage {
     std::vector<glm::u8vec4> pixels;
 
     [[nodiscard]] const glm::u8vec4& at(int x, int y) const { return pixels[static_cast<std::size_t>(y) * width + x]; }
+    [[nodiscard]] glm::u8vec4& at(int x, int y) { return pixels[static_cast<std::size_t>(y) * width + x]; }
 };
 
 /// PNG, JPEG or WebP from memory, recognised by content; 16-bit PNG is rounded to 8. A file that is damaged, cut off or
