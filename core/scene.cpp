@@ -128,6 +128,10 @@ float opacity(const Material& material, float alpha) {
 
 }  // namespace
 
+float linear_from_srgb(std::uint8_t encoded) noexcept {
+    return srgb_to_linear[encoded];
+}
+
 SurfacePoint surface_at(const Scene& scene, const Mesh& mesh, std::uint32_t triangle, glm::vec2 barycentric) noexcept {
     const Material& material = material_of(scene, mesh);
     const Place place(mesh, triangle, barycentric);

@@ -82,10 +82,11 @@ Pilot run_pilot(const PathTracer& paths, const Volume& volume, std::uint64_t see
 }
 
 LightEvidence light_evidence(const PathTracer& paths, double least_light, std::uint64_t seed) {
-    return [&paths, least_light, seed](glm::vec3 point) {
-        PathCounts counts;
-        return rough_light(paths, point, mix_bits(seed, 6), counts) > least_light;
-    };
+    return {[&paths, least_light, seed](glm::vec3 point) {
+                PathCounts counts;
+                return rough_light(paths, point, mix_bits(seed, 6), counts) > least_light;
+            },
+            paths.estimators().sky};
 }
 
 std::string percent(double share) { return fmt::format("{:.0f} %", 100 * share); }

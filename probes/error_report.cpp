@@ -83,7 +83,7 @@ double percentile(std::vector<double>& values, double share) {
 
 }  // namespace
 
-HeldOut trace_held_out(const Volume& volume, const PathTracer& paths, const LightEvidence& is_lit,
+HeldOut trace_held_out(const Volume& volume, const PathTracer& paths, const LightEvidence& light,
                        const HeldOutOptions& options) {
     const Tracer& tracer = paths.tracer();
     const glm::dvec3 origin = tracer.scene().origin;
@@ -105,7 +105,7 @@ HeldOut trace_held_out(const Volume& volume, const PathTracer& paths, const Ligh
             const glm::dvec3 u(xy, random.next());
             const glm::dvec3 place = grid.origin + u * glm::dvec3(grid.counts - 1) * grid.spacing;
             const double clearance = 0.01 * std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z});
-            if (is_free(tracer, glm::vec3(place - origin), static_cast<float>(clearance), is_lit)) found[i] = place;
+            if (is_free(tracer, glm::vec3(place - origin), static_cast<float>(clearance), light)) found[i] = place;
         }
     });
     std::vector<glm::vec3> relative;
@@ -162,8 +162,10 @@ ErrorReport measure_error(const Volume& volume, const HeldOut& reference, double
             mean_irradiance[i] += component_sum(mean) / (3.0 * static_cast<double>(normals.size()));
             for (int c = 0; c < 3; ++c) differences[i].push_back(std::abs(ours[c] - mean[c]));
         }
-        for (const auto& [slot, weight] : sampler.corners(reference.points[i])) {
-            const auto errors = std::span(volume.errors).subspan(slot * n, n);
+        const Sampler::Corners corners = sampler.corners(reference.points[i]);
+        for (int c = 0; c < corners.count; ++c) {
+            const auto errors = std::span(volume.errors).subspan(corners.slots[c] * n, n);
+            const double weight = corners.weights[c];
             sum.noise += weight * weight * irradiance_variance(errors, volume.bands);
         }
         sum.noise *= static_cast<double>(normals.size());

@@ -63,7 +63,7 @@ struct HeldOutOptions {
 };
 
 /// Draws points uniformly in the free space of the volume's boxes and traces them. Empty where no free point was found.
-[[nodiscard]] HeldOut trace_held_out(const Volume& volume, const PathTracer& paths, const LightEvidence& is_lit,
+[[nodiscard]] HeldOut trace_held_out(const Volume& volume, const PathTracer& paths, const LightEvidence& light,
                                      const HeldOutOptions& options);
 
 /// storage_error: root mean square over the sphere of the irradiance that rounding changed, per probe (lux); 0 if none.

@@ -11,20 +11,16 @@
 namespace lightgrid {
 namespace {
 
-constexpr std::array<glm::vec3, 6> axes = {{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}}};
-
 /// Points that are worth a task of their own, replicate by replicate; fewer are spread over replicates too.
 constexpr std::size_t many_points = 1024;
 
 }  // namespace
 
-std::span<const glm::vec3> axis_normals() noexcept { return axes; }
-
 GatherSums::GatherSums(const PathTracer& paths, std::vector<glm::vec3> points, GatherOptions options)
     : paths_(&paths), points_(std::move(points)), options_(std::move(options)),
       directions_(even_directions(options_.samples_per_replicate())) {
     const auto coefficients = static_cast<std::size_t>(sh_size(options_.bands));
-    values_per_point_ = coefficients + options_.normals_per_point() + axes.size();
+    values_per_point_ = coefficients + options_.normals_per_point() + axis_normals.size();
     moments_.resize(points_.size() * values_per_point_);
     punctual_.resize(moments_.size());
     if (!paths.estimators().lights) return;
@@ -54,8 +50,8 @@ void GatherSums::project(std::size_t point, std::span<const LightSample> light, 
     }
     std::vector<glm::vec3> sh(coefficients);
     for (std::size_t i = 0; i < coefficients; ++i) sh[i] = glm::vec3(values[i]);
-    for (std::size_t axis = 0; axis < axes.size(); ++axis) {
-        values[coefficients + normals + axis] = glm::dvec3(irradiance_from_sh(sh, axes[axis]));
+    for (std::size_t axis = 0; axis < axis_normals.size(); ++axis) {
+        values[coefficients + normals + axis] = glm::dvec3(irradiance_from_sh(sh, axis_normals[axis]));
     }
 }
 
@@ -101,7 +97,7 @@ Gather GatherSums::result() const {
     gather.normals = options_.normals_per_point();
     gather.coefficients.reserve(points_.size() * coefficients);
     gather.irradiance.reserve(points_.size() * gather.normals);
-    gather.axis_irradiance.reserve(points_.size() * axes.size());
+    gather.axis_irradiance.reserve(points_.size() * axis_normals.size());
     const double n = std::max(1U, replicates_);
     const auto estimate = [&](std::size_t i) {
         const Moments& moments = moments_[i];
@@ -117,7 +113,7 @@ Gather GatherSums::result() const {
         std::size_t i = point * values_per_point_;
         for (std::size_t k = 0; k < coefficients; ++k) gather.coefficients.push_back(estimate(i++));
         for (std::size_t k = 0; k < gather.normals; ++k) gather.irradiance.push_back(estimate(i++));
-        for (std::size_t k = 0; k < axes.size(); ++k) gather.axis_irradiance.push_back(estimate(i++));
+        for (std::size_t k = 0; k < axis_normals.size(); ++k) gather.axis_irradiance.push_back(estimate(i++));
     }
     return gather;
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "probes/paths.h"
+#include "probes/volume.h"
 
 /// Light at points, as SH and as irradiance, with standard errors from independent replicates.
 namespace lightgrid {
@@ -85,8 +86,5 @@ class GatherSums {
 /// All replicates at once.
 [[nodiscard]] Gather gather(const PathTracer& paths, std::vector<glm::vec3> points, const GatherOptions& options,
                             PathCounts* counts = nullptr);
-
-/// +x -x +y -y +z -z.
-[[nodiscard]] std::span<const glm::vec3> axis_normals() noexcept;
 
 }  // namespace lightgrid

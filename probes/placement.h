@@ -36,14 +36,19 @@ struct PlacementCounts {
     std::uint64_t rays = 0;
 };
 
-/// Light that a point receives, roughly: decides whether a point that sees back faces all round is inside a solid (dark)
-/// or in a shell that is wound inside out (lit). Relative to Scene::origin.
-using LightEvidence = std::function<bool(glm::vec3)>;
+/// What light tells of a point besides its surroundings.
+struct LightEvidence {
+    /// More than a little light gets there: a point that sees back faces all round is then in a shell that is wound
+    /// inside out, not in a solid. Relative to Scene::origin.
+    std::function<bool(glm::vec3)> is_lit;
+    /// The environment is not black: rays that leave the level see light. Without, they tell no more than back faces.
+    bool has_sky = false;
+};
 
-/// Sets states and offsets of all probes of the grids. A probe is inside something where it is enclosed and sees back
-/// faces almost everywhere, near ones above all, and no light; it is moved by the least offset within half a cell that
+/// Sets states and offsets of all probes of the grids. A probe is inside something, or outside of a level without a sky,
+/// where it is enclosed and sees back faces almost everywhere, near ones above all, and no light; it is moved by the least offset within half a cell that
 /// frees it, and not out of its grid's box. Probes of a list stay where they are and are marked only.
-PlacementCounts place_probes(Volume& volume, const Tracer& tracer, const LightEvidence& is_lit);
+PlacementCounts place_probes(Volume& volume, const Tracer& tracer, const LightEvidence& light);
 
 /// Gives invalid probes the light of valid neighbours that no front face hides from them, nearest rings first, and then
 /// of any neighbour, so that plain trilinear filtering never reads black. States become `filled`, or `missing` where
@@ -52,6 +57,6 @@ std::size_t fill_invalid(Volume& volume, const Tracer& tracer);
 
 /// True where the surroundings say that a point is free: nothing within `clearance`, not inside a solid. For held-out
 /// points as much as for probes.
-[[nodiscard]] bool is_free(const Tracer& tracer, glm::vec3 point, float clearance, const LightEvidence& is_lit);
+[[nodiscard]] bool is_free(const Tracer& tracer, glm::vec3 point, float clearance, const LightEvidence& light);
 
 }  // namespace lightgrid

@@ -1,11 +1,14 @@
 #pragma once
 
-#include <array>
+#include "probes/volume.h"
+
 #include <glm/glm.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
-
-#include "probes/volume.h"
 
 namespace lightgrid {
 
@@ -14,26 +17,62 @@ enum class Outside : std::uint8_t { clamp, fade };  // beyond the volume: neares
 struct SampleOptions {
     float normal_bias = 0;  // metres that the position is moved along the normal before the look-up
     Outside outside = Outside::clamp;
-    float fade_distance = 1;                    // metres over which `fade` goes to the environment
+    float fade_distance = 1;                   // metres from the volume at which `fade` has reached the environment
     std::span<const glm::vec3> environment{};  // bands^2 coefficients; empty: black
 };
 
-/// Interpolated coefficients. weight: the share of trilinear weight that valid corners carried, before renormalisation;
-/// 0: no valid corner, sh is then all zero and means "unknown", not "black".
+/// Interpolated coefficients. weight: the share of trilinear weight that valid corners carried, before renormalisation
+/// (with `fade`, the environment counts as valid). 0: no valid corner; sh then is the light of `filled` corners, and
+/// all zero where there is none of these either: unknown, not black.
 struct Sample {
     std::vector<glm::vec3> sh;
     float weight = 0;
 };
 
-/// Finds cells in a volume quickly. Keeps a reference: the volume must outlive it and stay as it is.
+/// Finds cells in a volume quickly. Keeps a reference: the volume must outlive it and stay as it is. Any number of
+/// threads may sample at once.
+///
+/// The light at a position is interpolated trilinearly between the corners of its cell, with weights renormalised over
+/// the valid ones, so that at a valid probe's lattice point it is the probe's own, to the bit. Where grids overlap, the
+/// finest spacing that knows an answer gives it. A cell is a grid's own if all corners that carry weight are stored.
+/// Outside of all grids, the point of the nearest grid that is nearest answers.
 class Sampler {
   public:
+    /// Throws Error for a probe list, which has no cells.
     explicit Sampler(const Volume& volume);
 
-    /// Trilinear, weights renormalised over valid corners; where grids overlap, the finest spacing answers.
     [[nodiscard]] Sample sample(glm::dvec3 position, const SampleOptions& options = {}) const;
-    /// Irradiance, lux; not clamped at zero.
-    [[nodiscard]] glm::vec3 irradiance(glm::dvec3 position, glm::vec3 normal, const SampleOptions& options = {}) const;
+    /// The same into bands^2 coefficients of the caller's; returns the weight. Allocates nothing.
+    float sample(glm::dvec3 position, std::span<glm::vec3> sh, const SampleOptions& options = {}) const noexcept;
+    /// A batch: bands^2 coefficients and one weight for each position. Allocates nothing.
+    void sample(std::span<const glm::dvec3> positions, std::span<glm::vec3> sh, std::span<float> weights,
+                const SampleOptions& options = {}) const noexcept;
+
+    /// Irradiance, lux; not clamped at zero. Zero where no light is known. Allocates nothing.
+    [[nodiscard]] glm::vec3 irradiance(glm::dvec3 position, glm::vec3 normal,
+                                       const SampleOptions& options = {}) const noexcept;
+    /// A batch: as many results as there are positions and normals.
+    void irradiance(std::span<const glm::dvec3> positions, std::span<const glm::vec3> normals,
+                    std::span<glm::vec3> results, const SampleOptions& options = {}) const noexcept;
+
+    /// Which probes answer at a position, and how much each says: the weights of corners and environment sum to 1, or
+    /// there is no corner.
+    struct Corners {
+        int count = 0;
+        std::array<std::size_t, 8> slots;  // of `count` corners; the rest is not written
+        std::array<float, 8> weights;
+        float known = 0;        // Sample::weight
+        float environment = 0;  // share of the environment
+    };
+    [[nodiscard]] Corners corners(glm::dvec3 position, const SampleOptions& options = {}) const noexcept;
+
+  private:
+    [[nodiscard]] Corners cell_corners(std::size_t grid, glm::ivec3 lower, glm::dvec3 share) const noexcept;
+    void interpolate(const Corners& from, const SampleOptions& options, std::span<glm::vec3> sh) const noexcept;
+
+    const Volume& volume_;
+    SlotTable slots_;
+    std::vector<std::size_t> grids_;  // finest first
 };
 
 }  // namespace lightgrid

@@ -1,1 +1,261 @@
 #include "probes/volume.h"
+
+#include "core/error.h"
+#include "core/sh.h"
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <cmath>
+#include <limits>
+
+namespace lightgrid {
+namespace {
+
+bool is_finite(glm::dvec3 v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+glm::ivec3 lattice_bricks(const Grid& grid) {
+    return (grid.counts - 1) / brick_size + 1;
+}
+
+std::int64_t lattice_brick_count(const Grid& grid) {
+    const glm::i64vec3 bricks(lattice_bricks(grid));
+    // In floating point first: the product of three ints may not fit.
+    if (static_cast<double>(bricks.x) * static_cast<double>(bricks.y) * static_cast<double>(bricks.z) > 1e18) {
+        return std::numeric_limits<std::int64_t>::max();
+    }
+    return bricks.x * bricks.y * bricks.z;
+}
+
+bool contains(const Grid& grid, glm::ivec3 probe) {
+    return glm::all(glm::greaterThanEqual(probe, glm::ivec3(0))) && glm::all(glm::lessThan(probe, grid.counts));
+}
+
+void check_bands(int bands) {
+    if (bands < 1 || bands > max_sh_bands) {
+        throw Error(fmt::format("{} bands, but 1 to {} are possible", bands, max_sh_bands));
+    }
+}
+
+void check_grid(const Grid& grid) {
+    if (glm::any(glm::lessThan(grid.counts, glm::ivec3(1)))) {
+        throw Error(fmt::format("{} x {} x {} probes, but at least one is needed along each axis", grid.counts.x,
+                                grid.counts.y, grid.counts.z));
+    }
+    if (!is_finite(grid.origin)) throw Error("the origin is not finite");
+    if (!is_finite(grid.spacing) || glm::any(glm::lessThanEqual(grid.spacing, glm::dvec3(0)))) {
+        throw Error(fmt::format("spacing {} x {} x {} m, but it must be positive and finite", grid.spacing.x,
+                                grid.spacing.y, grid.spacing.z));
+    }
+    if (!is_finite(grid.position(grid.counts - 1))) throw Error("the far corner is not finite");
+}
+
+void check_grids(const std::vector<Grid>& grids) {
+    std::int64_t bricks = 0;
+    for (std::size_t i = 0; i < grids.size(); ++i) {
+        try {
+            check_grid(grids[i]);
+        } catch (const Error& error) {
+            throw error.inside(fmt::format("grid {}", i));
+        }
+        const glm::ivec3 counts = grids[i].counts;
+        const std::int64_t more = lattice_brick_count(grids[i]);
+        if (more > max_lattice_bricks - bricks) {
+            throw Error(fmt::format("with {} x {} x {} probes, the grids span more than the {} that a volume may",
+                                    counts.x, counts.y, counts.z, max_lattice_bricks * probes_per_brick),
+                        fmt::format("grid {}", i), "Use a wider spacing or a smaller volume.");
+        }
+        bricks += more;
+    }
+}
+
+void check_bricks(const Volume& volume) {
+    for (std::size_t b = 0; b < volume.bricks.size(); ++b) {
+        const Brick& brick = volume.bricks[b];
+        const auto where = [&] { return fmt::format("brick {}", b); };
+        if (brick.grid < 0 || static_cast<std::size_t>(brick.grid) >= volume.grids.size()) {
+            throw Error(fmt::format("grid {}, but there are {}", brick.grid, volume.grids.size()), where());
+        }
+        if (brick.origin % brick_size != glm::ivec3(0) || !contains(volume.grids[brick.grid], brick.origin)) {
+            throw Error(fmt::format("first probe ({}, {}, {}) is no multiple of {} inside grid {}", brick.origin.x,
+                                    brick.origin.y, brick.origin.z, brick_size, brick.grid),
+                        where());
+        }
+    }
+    const SlotTable table(volume);
+    for (std::size_t b = 0; b < volume.bricks.size(); ++b) {
+        const Brick& brick = volume.bricks[b];
+        const auto stored = static_cast<std::size_t>(table.slot(brick.grid, brick.origin)) / probes_per_brick;
+        if (stored != b) throw Error(fmt::format("stored again as brick {}", stored), fmt::format("brick {}", b));
+    }
+}
+
+std::string describe_slot(const Volume& volume, std::size_t slot) {
+    if (!volume.has_cells()) return fmt::format("probe {}", slot);
+    const Brick& brick = volume.bricks[slot / probes_per_brick];
+    const glm::ivec3 probe = brick.origin + probe_in_brick(slot % probes_per_brick);
+    return fmt::format("grid {}, probe ({}, {}, {})", brick.grid, probe.x, probe.y, probe.z);
+}
+
+void check_states(const Volume& volume) {
+    for (std::size_t slot = 0; slot < volume.slots(); ++slot) {
+        const ProbeState state = volume.states[slot];
+        if (state > ProbeState::missing) {
+            throw Error(fmt::format("state {}, but the last one known is {}", static_cast<int>(state),
+                                    static_cast<int>(ProbeState::missing)),
+                        describe_slot(volume, slot));
+        }
+        const bool inside = !volume.has_cells() || contains(volume.grids[volume.bricks[slot / probes_per_brick].grid],
+                                                            lattice_index(volume, slot));
+        if (inside == (state == ProbeState::absent)) {
+            throw Error(
+                inside ? "absent, though it lies inside its grid" : "it lies outside its grid, but is not absent",
+                describe_slot(volume, slot));
+        }
+    }
+}
+
+/// values  `per_slot` of them for each slot
+void check_numbers(const Volume& volume, std::span<const glm::vec3> values, std::size_t per_slot, float least,
+                   const char* what) {
+    if (values.size() != volume.slots() * per_slot) {
+        throw Error(fmt::format("{} values for {} probes, but {} for each were expected", values.size(), volume.slots(),
+                                per_slot),
+                    what);
+    }
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        for (int c = 0; c < 3; ++c) {
+            const float value = values[i][c];
+            if (std::isfinite(value) && value >= least) continue;
+            throw Error(fmt::format("{} {}, component {}, is {}", what, i % per_slot, c, value),
+                        describe_slot(volume, i / per_slot));
+        }
+    }
+}
+
+void check_settings(const Volume& volume) {
+    for (const auto& setting : volume.settings) {
+        if (setting.first.empty() || setting.first.find('=') != std::string::npos) {
+            throw Error(fmt::format("the name \"{}\" is empty or has an equals sign", setting.first), "settings");
+        }
+    }
+}
+
+bool same_bits(float a, float b) {
+    return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b);
+}
+
+}  // namespace
+
+Volume make_volume(std::vector<Grid> grids, int bands) {
+    check_bands(bands);
+    check_grids(grids);
+    Volume volume;
+    volume.bands = bands;
+    volume.grids = std::move(grids);
+    for (std::size_t g = 0; g < volume.grids.size(); ++g) {
+        const glm::ivec3 counts = volume.grids[g].counts;
+        for (int z = 0; z < counts.z; z += brick_size) {
+            for (int y = 0; y < counts.y; y += brick_size) {
+                for (int x = 0; x < counts.x; x += brick_size) {
+                    volume.bricks.push_back({static_cast<int>(g), {x, y, z}});
+                }
+            }
+        }
+    }
+    const std::size_t slots = volume.bricks.size() * probes_per_brick;
+    volume.states.resize(slots);
+    for (std::size_t slot = 0; slot < slots; ++slot) {
+        const Grid& grid = volume.grids[volume.bricks[slot / probes_per_brick].grid];
+        if (contains(grid, lattice_index(volume, slot))) volume.states[slot] = ProbeState::valid;
+    }
+    volume.coefficients.assign(slots * volume.sh_size(), glm::vec3(0));
+    volume.errors = volume.coefficients;
+    volume.axis_errors.assign(slots * axis_normals.size(), glm::vec3(0));
+    return volume;
+}
+
+Volume make_probe_list(std::vector<glm::dvec3> positions, int bands) {
+    check_bands(bands);
+    Volume volume;
+    volume.bands = bands;
+    volume.list = std::move(positions);
+    const std::size_t slots = volume.list.size();
+    volume.states.assign(slots, ProbeState::valid);
+    volume.coefficients.assign(slots * volume.sh_size(), glm::vec3(0));
+    volume.errors = volume.coefficients;
+    volume.axis_errors.assign(slots * axis_normals.size(), glm::vec3(0));
+    return volume;
+}
+
+void check_volume(const Volume& volume) {
+    check_bands(volume.bands);
+    if (volume.has_cells() == !volume.list.empty()) {
+        throw Error(volume.has_cells() ? "both grids and a probe list" : "neither grids nor a probe list");
+    }
+    check_grids(volume.grids);
+    const std::size_t slots = volume.has_cells() ? volume.bricks.size() * probes_per_brick : volume.list.size();
+    if (slots == 0) throw Error("no brick is stored");
+    if (volume.slots() != slots) throw Error(fmt::format("{} states for {} probes", volume.slots(), slots));
+    check_bricks(volume);
+    check_states(volume);
+    for (std::size_t i = 0; i < volume.list.size(); ++i) {
+        if (!is_finite(volume.list[i])) throw Error("the position is not finite", fmt::format("probe {}", i));
+    }
+    check_settings(volume);
+    const float lowest = std::numeric_limits<float>::lowest();
+    check_numbers(volume, volume.coefficients, volume.sh_size(), lowest, "coefficient");
+    check_numbers(volume, volume.errors, volume.sh_size(), 0, "standard error of coefficient");
+    check_numbers(volume, volume.axis_errors, axis_normals.size(), 0, "standard error of irradiance along axis");
+    if (!volume.offsets.empty()) check_numbers(volume, volume.offsets, 1, lowest, "offset");
+}
+
+glm::ivec3 lattice_index(const Volume& volume, std::size_t slot) {
+    return volume.bricks[slot / probes_per_brick].origin + probe_in_brick(slot % probes_per_brick);
+}
+
+glm::dvec3 lattice_position(const Volume& volume, std::size_t slot) {
+    if (!volume.has_cells()) return volume.list[slot];
+    return volume.grids[volume.bricks[slot / probes_per_brick].grid].position(lattice_index(volume, slot));
+}
+
+glm::dvec3 gather_position(const Volume& volume, std::size_t slot) {
+    const glm::dvec3 place = lattice_position(volume, slot);
+    return volume.offsets.empty() ? place : place + glm::dvec3(volume.offsets[slot]);
+}
+
+SlotTable::SlotTable(const Volume& volume) {
+    for (const Grid& grid : volume.grids) {
+        Table& table = tables_.emplace_back();
+        table.size = lattice_bricks(grid);
+        table.bricks.assign(static_cast<std::size_t>(lattice_brick_count(grid)), -1);
+    }
+    for (std::size_t b = 0; b < volume.bricks.size(); ++b) {
+        Table& table = tables_[volume.bricks[b].grid];
+        const glm::ivec3 at = volume.bricks[b].origin / brick_size;
+        const std::size_t row = static_cast<std::size_t>(at.z) * table.size.y + at.y;
+        table.bricks[row * table.size.x + at.x] = static_cast<std::int32_t>(b);
+    }
+}
+
+bool is_grey(std::span<const glm::vec3> values) noexcept {
+    for (const glm::vec3& v : values) {
+        if (!same_bits(v.r, v.g) || !same_bits(v.g, v.b)) return false;
+    }
+    return true;
+}
+
+int used_bands(std::span<const glm::vec3> values, int bands) noexcept {
+    const int count = sh_size(bands);
+    int used = 0;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        if (values[i] == glm::vec3(0)) continue;
+        const int index = static_cast<int>(i % count);
+        while (sh_size(used) <= index) ++used;
+    }
+    return used;
+}
+
+}  // namespace lightgrid

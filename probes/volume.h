@@ -1,7 +1,10 @@
 #pragma once
 
-#include <cstdint>
 #include <glm/glm.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
 #include <map>
 #include <span>
 #include <string>
@@ -35,6 +38,10 @@ struct Grid {
 inline constexpr int brick_size = 4;
 inline constexpr int probes_per_brick = brick_size * brick_size * brick_size;
 
+/// The most bricks that the grids of a volume may span together, stored or not: look-up tables hold 4 bytes for each
+/// (256 MiB at most).
+inline constexpr std::int64_t max_lattice_bricks = std::int64_t{1} << 26;
+
 struct Brick {
     int grid = 0;          // index in Volume::grids
     glm::ivec3 origin{0};  // first probe, a multiple of brick_size
@@ -47,30 +54,80 @@ struct Volume {
     std::vector<Brick> bricks;
     std::vector<glm::dvec3> list;  // positions of a probe list, in the caller's order; empty for grids
 
-    std::vector<ProbeState> states;        // per slot
-    std::vector<glm::vec3> coefficients;   // per slot bands^2: radiance, cd/m^2 sr^(1/2)
-    std::vector<glm::vec3> errors;         // standard errors of them
-    std::vector<glm::vec3> axis_errors;    // per slot 6: standard error of the irradiance along +x -x +y -y +z -z
-    std::vector<glm::vec3> offsets;        // per slot: where light was gathered, minus the lattice point; empty: none moved
-    bool half = false;                     // coefficients are stored in the file as half, scaled per brick
-    std::map<std::string, std::string> settings;  // written to the header as they are: level, seed, samples, version ...
+    std::vector<ProbeState> states;       // per slot
+    std::vector<glm::vec3> coefficients;  // per slot bands^2: radiance, cd/m^2 sr^(1/2)
+    std::vector<glm::vec3> errors;        // standard errors of them
+    std::vector<glm::vec3> axis_errors;   // per slot 6: standard error of the irradiance along axis_normals
+    std::vector<glm::vec3> offsets;       // per slot: gather position minus lattice point; empty: none moved
+    bool half = false;                    // stored in the file as half, scaled per brick (half_storage.h)
+    std::map<std::string, std::string>
+        settings;  // written to the header as they are: level, seed, samples, version ...
 
     [[nodiscard]] bool has_cells() const { return !grids.empty(); }
     [[nodiscard]] std::size_t slots() const { return states.size(); }
+    [[nodiscard]] std::size_t sh_size() const { return static_cast<std::size_t>(bands) * bands; }
     [[nodiscard]] std::span<const glm::vec3> sh(std::size_t slot) const {
-        const std::size_t n = static_cast<std::size_t>(bands) * bands;
-        return std::span(coefficients).subspan(slot * n, n);
+        return std::span(coefficients).subspan(slot * sh_size(), sh_size());
     }
 };
 
-/// A volume of these grids with every brick allocated, all probes `valid`, padding `absent`, light and errors zero.
+/// The six directions of Volume::axis_errors, in its order.
+inline constexpr std::array<glm::vec3, 6> axis_normals{
+    {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}}};
+
+/// A volume of these grids with every brick allocated (by grid, then z, y, x), all probes `valid`, padding `absent`,
+/// light and errors zero. Throws Error for a grid that check_volume would refuse, before anything is allocated.
 [[nodiscard]] Volume make_volume(std::vector<Grid> grids, int bands);
-/// A probe list with light and errors zero.
+/// A probe list, all `valid`, with light and errors zero.
 [[nodiscard]] Volume make_probe_list(std::vector<glm::dvec3> positions, int bands);
 
+/// Throws Error that names the first thing wrong: a size that does not fit the others, a brick outside its grid or
+/// stored twice, a probe inside its grid that is `absent` or one outside that is not, a number that is not finite, a
+/// negative standard error. What save_volume writes and load_volume returns has passed it.
+void check_volume(const Volume& volume);
+
+/// Probe p of a brick, relative to the brick's first.
+[[nodiscard]] constexpr glm::ivec3 probe_in_brick(std::size_t p) {
+    const int i = static_cast<int>(p);
+    return {i % brick_size, i / brick_size % brick_size, i / (brick_size * brick_size)};
+}
+/// The probe in `slot` of a volume with grids, as (i, j, k) of its grid.
+[[nodiscard]] glm::ivec3 lattice_index(const Volume& volume, std::size_t slot);
 /// Where the probe in `slot` was gathered.
 [[nodiscard]] glm::dvec3 gather_position(const Volume& volume, std::size_t slot);
 /// Its place in the lattice (or the list).
 [[nodiscard]] glm::dvec3 lattice_position(const Volume& volume, std::size_t slot);
+
+/// Finds the slot of a grid's probe: one dense table of bricks per grid, so that a look-up is two loads at most.
+class SlotTable {
+  public:
+    static constexpr std::ptrdiff_t none = -1;
+
+    explicit SlotTable(const Volume& volume);
+
+    /// probe    0 <= probe < counts of the grid
+    /// returns  its slot, or `none` where its brick is not stored
+    [[nodiscard]] std::ptrdiff_t slot(std::size_t grid, glm::ivec3 probe) const noexcept {
+        const Table& table = tables_[grid];
+        const glm::ivec3 brick = probe / brick_size;
+        const glm::ivec3 inside = probe - brick * brick_size;
+        const std::size_t row = static_cast<std::size_t>(brick.z) * table.size.y + brick.y;
+        const std::int32_t found = table.bricks[row * table.size.x + brick.x];
+        if (found < 0) return none;
+        return std::ptrdiff_t{found} * probes_per_brick + (inside.z * brick_size + inside.y) * brick_size + inside.x;
+    }
+
+  private:
+    struct Table {
+        glm::ivec3 size{0};                // bricks along each axis
+        std::vector<std::int32_t> bricks;  // index in Volume::bricks, or -1
+    };
+    std::vector<Table> tables_;
+};
+
+/// No colour anywhere: r = g = b to the bit.
+[[nodiscard]] bool is_grey(std::span<const glm::vec3> values) noexcept;
+/// The bands of `values` (bands^2 per slot) up to the last that is not zero everywhere; 0: all is zero.
+[[nodiscard]] int used_bands(std::span<const glm::vec3> values, int bands) noexcept;
 
 }  // namespace lightgrid

@@ -11,7 +11,9 @@
 #include "core/error.h"
 #include "core/gltf.h"
 #include "core/parallel.h"
+#include "core/sh.h"
 #include "core/tracer.h"
+#include "core/whole_file.h"
 #include "probes/bake.h"
 #include "probes/volume_file.h"
 #include "tools/bake_report.h"
@@ -86,6 +88,7 @@ void add_options(CLI::App& app, Call& call) {
         ->group(out);
     app.add_option("--report", call.report, "Not in this version")->type_name("FILE")->group(out);
     app.add_flag("--json", call.json, "The summary on standard output, as JSON")->group(out);
+    app.set_version_flag("--version", "level-bake " LIGHTGRID_VERSION);
     app.add_flag("--quiet", call.quiet, "Nothing but errors")->group(out);
 }
 
@@ -103,8 +106,8 @@ void check(const Call& call) {
     }
     if (call.max_probes < 1) wrong.push_back(fmt::format("--max-probes {}: must be at least 1", call.max_probes));
     if (call.samples && *call.samples < 1) wrong.push_back("--samples 0: must be at least 1");
-    if (call.bands < 1 || call.bands > most_bands) {
-        wrong.push_back(fmt::format("--bands {}: must be 1 to {}", call.bands, most_bands));
+    if (call.bands < 1 || call.bands > max_sh_bands) {
+        wrong.push_back(fmt::format("--bands {}: must be 1 to {}", call.bands, max_sh_bands));
     }
     if (call.threads < 0) wrong.push_back(fmt::format("--threads {}: must be 0 or more", call.threads));
     if (!call.probes.empty() && (call.spacing || !call.volumes.empty())) {
@@ -129,6 +132,15 @@ std::vector<Box> parse_boxes(const std::vector<std::string>& texts) {
     return boxes;
 }
 
+/// Fails before the bake, not after it, where the result could not be written.
+void check_folder(const fs::path& file) {
+    const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+    if (!fs::is_directory(folder)) {
+        throw Error("there is no folder " + folder.string(), file.string(), "Make it, or choose another place with -o");
+    }
+    if (fs::is_directory(file)) throw Error("is a folder", file.string(), "Name a file");
+}
+
 bool has_light(const PathTracer& paths) {
     return paths.estimators().emitters || paths.estimators().sky || paths.estimators().lights;
 }
@@ -142,7 +154,7 @@ int bake(const Call& call) {
     options.placement.spacing = call.spacing;
     options.placement.boxes = parse_boxes(call.volumes);
     options.placement.max_probes = call.max_probes;
-    if (!call.probes.empty()) options.probes = read_positions(call.probes);
+    if (!call.probes.empty()) options.probes = read_points(call.probes).positions;
     options.bands = call.bands;
     options.samples = call.samples;
     options.seed = call.seed;
@@ -181,8 +193,8 @@ int bake(const Call& call) {
                                                  : fs::path(call.level.empty() ? call.light.environment : call.level)
                                                        .filename()
                                                        .replace_extension(".probes.exr");
-    check_writable(output);
-    if (!call.report_json.empty()) check_writable(call.report_json);
+    check_folder(output);
+    if (!call.report_json.empty()) check_folder(call.report_json);
 
     ProgressLine line(messages);
     BakeResult result = run_bake(paths, plan, options, [&](const std::string& stage, double share, std::uint64_t rays) {
@@ -194,9 +206,9 @@ int bake(const Call& call) {
     result.stages.push_back({"save", watch.lap(), 0});
 
     const nlohmann::json report = bake_report(plan, result, options, output);
-    if (!call.report_json.empty()) write_json(report, call.report_json);
+    if (!call.report_json.empty()) write_whole_file(call.report_json, report.dump(2) + "\n");
     print_result(messages, plan, result, output);
-    if (call.json) fmt::print("{}\n", report.dump(2));
+    if (call.json) print(report.dump(2) + "\n");
     return 0;
 }
 
@@ -205,8 +217,10 @@ int bake(const Call& call) {
 
 int main(int argc, char** argv) {
     using namespace lightgrid;
-    Call call;
-    CLI::App app{"Bakes the light of a level into a volume of SH probes."};
-    add_options(app, call);
-    return run_program(app, argc, argv, [&] { return bake(call); });
+    return run_program("level-bake", [&] {
+        Call call;
+        CLI::App app{"Bakes the light of a level into a volume of SH probes.", "level-bake"};
+        add_options(app, call);
+        return parse_command_line(app, argc, argv) ? bake(call) : 0;
+    });
 }

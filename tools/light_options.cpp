@@ -68,10 +68,10 @@ ChosenLight choose_light(const LightOptions& options) {
         const std::vector<double> numbers =
             parse_numbers(options.sun_sky, with_turbidity ? 3 : 2, "--sun-sky", "40,120,3");
         SunSky sun_sky;
-        sun_sky.elevation_deg = numbers[0];
-        sun_sky.azimuth_deg = numbers[1];
-        if (with_turbidity) sun_sky.turbidity = numbers[2];
-        light.environment = make_environment(sun_sky);
+        sun_sky.elevation_deg = static_cast<float>(numbers[0]);
+        sun_sky.azimuth_deg = static_cast<float>(numbers[1]);
+        if (with_turbidity) sun_sky.turbidity = static_cast<float>(numbers[2]);
+        light.environment = make_sun_sky(sun_sky);
         light.description = fmt::format("sun at {} deg elevation, {} deg azimuth, turbidity {}", sun_sky.elevation_deg,
                                         sun_sky.azimuth_deg, sun_sky.turbidity);
     } else if (!options.environment.empty()) {

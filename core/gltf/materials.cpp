@@ -1,0 +1,225 @@
+#include "core/gltf/materials.h"
+
+#include "core/error.h"
+#include "core/parallel.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+namespace lightgrid::gltf {
+namespace {
+
+struct TextureKey {
+    int image;
+    Wrap wrap_u;
+    Wrap wrap_v;
+    bool nearest;
+    auto operator<=>(const TextureKey&) const = default;
+};
+
+Wrap wrap_of(int mode) {
+    if (mode == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE) return Wrap::clamp;
+    return mode == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT ? Wrap::mirror : Wrap::repeat;
+}
+
+int image_of(const Document& document, int index) {
+    const tinygltf::Texture& texture = document.texture(index);
+    if (const tinygltf::Value* webp = find_extension(texture.extensions, "EXT_texture_webp");
+        webp && webp->Has("source"))
+        return webp->Get("source").GetNumberAsInt();
+    if (texture.source >= 0) return texture.source;
+    const std::string where = name_of("texture", static_cast<std::size_t>(index), texture.name);
+    if (find_extension(texture.extensions, "KHR_texture_basisu") != nullptr)
+        throw Error("is KTX2 (KHR_texture_basisu), which cannot be read", where, "Convert it to PNG, JPEG or WebP.");
+    throw Error("has no image", where, "Give it one, or remove it from the material.");
+}
+
+TextureKey key_of(const Document& document, int index) {
+    TextureKey key{image_of(document, index), Wrap::repeat, Wrap::repeat, false};
+    if (const int sampler = document.texture(index).sampler; sampler >= 0) {
+        const tinygltf::Sampler& source = document.sampler(sampler);
+        key.wrap_u = wrap_of(source.wrapS);
+        key.wrap_v = wrap_of(source.wrapT);
+        key.nearest = source.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST;
+    }
+    return key;
+}
+
+/// uv' = offset + rotation (scale uv): KHR_texture_transform. The rotation is counter-clockwise for a viewer who sees v
+/// grow downwards, as TextureTransformTest of the glTF sample models has it.
+glm::mat3x2 transform_of(const tinygltf::Value& transform) {
+    const auto number = [&](const char* name, int i, double fallback) {
+        return transform.Has(name) ? transform.Get(name).Get(i).GetNumberAsDouble() : fallback;
+    };
+    const double angle = number_in(transform, "rotation", 0);
+    const double c = std::cos(angle);
+    const double s = std::sin(angle);
+    const glm::dvec2 scale(number("scale", 0, 1), number("scale", 1, 1));
+    return glm::mat3x2(glm::dmat3x2(c * scale.x, -s * scale.x, s * scale.y, c * scale.y, number("offset", 0, 0),
+                                    number("offset", 1, 0)));
+}
+
+class MaterialReader {
+  public:
+    MaterialReader(const Document& document, Notices& notices) : document_(document), notices_(notices) {}
+
+    Material read(int index) {
+        const tinygltf::Material& source = document_.material(index);
+        place_ = name_of("material", static_cast<std::size_t>(index), source.name);
+        try {
+            return read(source);
+        } catch (const Error& error) {
+            throw error.inside(place_);
+        }
+    }
+
+    /// What the materials read so far look up, by TextureUse::texture.
+    [[nodiscard]] const std::vector<TextureKey>& textures() const { return textures_; }
+
+  private:
+    Material read(const tinygltf::Material& source) {
+        Material material;
+        material.name = source.name;
+        material.double_sided = source.doubleSided;
+        read_alpha_mode(source, material);
+        read_base_color(source, material);
+        read_transmission(source, material);
+        read_emission(source, material);
+        if (find_extension(source.extensions, "KHR_materials_unlit") != nullptr)
+            notices_.add(place_, "KHR_materials_unlit is not followed: it is lit like any other surface");
+        return material;
+    }
+
+    void read_base_color(const tinygltf::Material& source, Material& material) {
+        const tinygltf::PbrMetallicRoughness& pbr = source.pbrMetallicRoughness;
+        const bool names_color = source.values.contains("baseColorFactor") || pbr.baseColorTexture.index >= 0;
+        const tinygltf::Value* old = find_extension(source.extensions, "KHR_materials_pbrSpecularGlossiness");
+        const bool is_old = old != nullptr && !names_color;
+        glm::dvec4 factor(1);
+        for (int i = 0; i < 4; ++i) {
+            if (!is_old)
+                factor[i] = pbr.baseColorFactor[static_cast<std::size_t>(i)];
+            else if (old->Has("diffuseFactor"))
+                factor[i] = old->Get("diffuseFactor").Get(i).GetNumberAsDouble();
+        }
+        const glm::dvec4 clamped = glm::clamp(factor, 0.0, 1.0);
+        if (clamped != factor) notices_.add(place_, "its base colour is outside [0, 1] and is clamped to it");
+        material.base_color = glm::vec3(clamped);
+        material.alpha = static_cast<float>(clamped.a);
+        // Of black, no texture makes anything else.
+        if (material.base_color == glm::vec3(0) && material.alpha_mode == AlphaMode::opaque) return;
+        if (!is_old)
+            material.base_color_texture = use(pbr.baseColorTexture);
+        else if (old->Has("diffuseTexture"))
+            material.base_color_texture = use(old->Get("diffuseTexture"));
+    }
+
+    void read_alpha_mode(const tinygltf::Material& source, Material& material) {
+        if (source.alphaMode == "MASK") material.alpha_mode = AlphaMode::mask;
+        if (source.alphaMode == "BLEND") material.alpha_mode = AlphaMode::blend;
+        material.alpha_cutoff = static_cast<float>(source.alphaCutoff);
+        if (material.alpha_mode == AlphaMode::mask && source.alphaCutoff < 0)
+            notices_.add(place_, "its alphaCutoff is below 0: nothing of it is cut off");
+    }
+
+    void read_transmission(const tinygltf::Material& source, Material& material) {
+        const tinygltf::Value* transmission = find_extension(source.extensions, "KHR_materials_transmission");
+        if (transmission == nullptr) return;
+        const double factor = number_in(*transmission, "transmissionFactor", 0);
+        material.transmission = static_cast<float>(std::clamp(factor, 0.0, 1.0));
+        if (factor != std::clamp(factor, 0.0, 1.0))
+            notices_.add(place_, "its transmissionFactor is outside [0, 1] and is clamped to it");
+        if (material.transmission == 0) return;
+        if (transmission->Has("transmissionTexture"))
+            material.transmission_texture = use(transmission->Get("transmissionTexture"));
+        if (const tinygltf::Value* volume = find_extension(source.extensions, "KHR_materials_volume");
+            volume != nullptr && number_in(*volume, "thicknessFactor", 0) > 0)
+            notices_.add(place_, "KHR_materials_volume is not followed: nothing is absorbed inside of it");
+    }
+
+    void read_emission(const tinygltf::Material& source, Material& material) {
+        const tinygltf::Value* extension = find_extension(source.extensions, "KHR_materials_emissive_strength");
+        const double strength = extension == nullptr ? 1 : number_in(*extension, "emissiveStrength", 1);
+        for (int i = 0; i < 3; ++i) {
+            const double factor = source.emissiveFactor[static_cast<std::size_t>(i)];
+            if (factor < 0) notices_.add(place_, "its emissiveFactor is negative and is clamped to 0");
+            if (factor > 1)
+                notices_.add(place_, "its emissiveFactor is above 1, which glTF forbids; it is taken as it is");
+            material.emission[i] = static_cast<float>(std::max(factor, 0.0) * strength);
+            if (!std::isfinite(material.emission[i]))
+                throw Error(fmt::format("emits {:g} x {:g} cd/m^2", factor, strength), "",
+                            "Lower its emissiveStrength.");
+        }
+        if (material.emits()) material.emission_texture = use(source.emissiveTexture);
+    }
+
+    TextureUse use(const tinygltf::TextureInfo& info) {
+        return info.index < 0
+                   ? TextureUse{}
+                   : use(info.index, info.texCoord, find_extension(info.extensions, "KHR_texture_transform"));
+    }
+    /// The same as tinygltf leaves it within extensions.
+    TextureUse use(const tinygltf::Value& info) {
+        const tinygltf::Value& extensions = info.Get("extensions");
+        const bool transformed = extensions.Has("KHR_texture_transform");
+        return use(info.Get("index").GetNumberAsInt(), static_cast<int>(number_in(info, "texCoord", 0)),
+                   transformed ? &extensions.Get("KHR_texture_transform") : nullptr);
+    }
+    TextureUse use(int texture, int uv_set, const tinygltf::Value* transform) {
+        TextureUse result;
+        const TextureKey key = key_of(document_, texture);
+        const auto [known, added] = indices_.emplace(key, static_cast<int>(textures_.size()));
+        if (added) textures_.push_back(key);
+        result.texture = known->second;
+        result.uv_set = uv_set;
+        if (transform != nullptr) {
+            result.uv_set = static_cast<int>(number_in(*transform, "texCoord", uv_set));
+            result.transform = transform_of(*transform);
+        }
+        return result;
+    }
+
+    const Document& document_;
+    Notices& notices_;
+    std::string place_;
+    std::vector<TextureKey> textures_;
+    std::map<TextureKey, int> indices_;
+};
+
+std::vector<Texture> decode_textures(const Document& document, const std::vector<TextureKey>& keys) {
+    std::map<int, std::vector<std::size_t>> uses;  // of each image
+    for (std::size_t i = 0; i < keys.size(); ++i) uses[keys[i].image].push_back(i);
+    const std::vector<std::pair<int, std::vector<std::size_t>>> images(uses.begin(), uses.end());
+
+    std::vector<Texture> textures(keys.size());
+    for_each_index(images.size(), [&](std::size_t i) {
+        const auto& [image, users] = images[i];
+        ByteImage decoded = document.image(image);
+        for (const std::size_t user : users)
+            textures[user] = {user == users.back() ? std::move(decoded) : decoded, keys[user].wrap_u, keys[user].wrap_v,
+                              keys[user].nearest};
+    });
+    return textures;
+}
+
+}  // namespace
+
+std::vector<int> load_materials(const Document& document, const std::vector<bool>& used, Scene& scene,
+                                Notices& notices) {
+    MaterialReader reader(document, notices);
+    std::vector<int> indices(used.size(), -1);
+    for (std::size_t i = 0; i < used.size(); ++i) {
+        if (!used[i]) continue;
+        indices[i] = static_cast<int>(scene.materials.size());
+        scene.materials.push_back(i == 0 ? Material() : reader.read(static_cast<int>(i) - 1));
+    }
+    if (scene.materials.empty()) scene.materials.emplace_back();
+    scene.textures = decode_textures(document, reader.textures());
+    return indices;
+}
+
+}  // namespace lightgrid::gltf

@@ -1,1 +1,0 @@
-#include "probes/volume_file.h"
