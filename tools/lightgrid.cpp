@@ -70,6 +70,26 @@ void add_query(CLI::App& program) {
     });
 }
 
+void add_reference(CLI::App& program) {
+    const auto options = std::make_shared<ReferenceOptions>();
+    CLI::App* verb = program.add_subcommand("reference", "The path tracer's answer at points, as CSV");
+    verb->add_option("LEVEL", options->level, "The level, .gltf or .glb")->required();
+    verb->add_option("--points", options->points,
+                     "CSV with columns x, y, z and perhaps nx, ny, nz (else the six axes); - is standard input")
+        ->required();
+    verb->add_flag("--sh", options->sh, "Coefficients of radiance instead of irradiance");
+    add_light_options(*verb, options->light);
+    verb->add_option("--scene", options->scene, "Which of the file's scenes (default: the file's own choice)");
+    verb->add_option("--samples", options->samples, "Gather rays per point, all replicates together")
+        ->check(CLI::PositiveNumber)
+        ->capture_default_str();
+    verb->add_option("--bands", options->bands, "SH bands, with --sh")->capture_default_str();
+    verb->add_option("--seed", options->seed, "Other seeds give other noise")->capture_default_str();
+    verb->add_option("--threads", options->threads, "0: all of the machine; the result is the same")
+        ->check(CLI::NonNegativeNumber);
+    verb->callback([options] { run_reference(*options); });
+}
+
 void add_diff(CLI::App& program) {
     struct Options {
         std::string a;
@@ -92,6 +112,7 @@ int run(int argc, const char* const* argv) {
     add_info(program);
     add_probes(program);
     add_query(program);
+    add_reference(program);
     add_diff(program);
     parse_command_line(program, argc, argv);
     return 0;
