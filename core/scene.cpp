@@ -7,18 +7,12 @@
 namespace lightgrid {
 namespace {
 
-/// IEC 61966-2-1, for every 8-bit value.
-std::array<float, 256> make_srgb_table() {
+/// decode_srgb for every 8-bit value, where the look-ups below can inline it.
+const std::array<float, 256> srgb_to_linear = [] {
     std::array<float, 256> table{};
-    for (int i = 0; i < 256; ++i) {
-        const double encoded = i / 255.0;
-        const double linear = encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
-        table[static_cast<std::size_t>(i)] = static_cast<float>(linear);
-    }
+    for (std::size_t i = 0; i < table.size(); ++i) table[i] = decode_srgb(static_cast<std::uint8_t>(i));
     return table;
-}
-
-const std::array<float, 256> srgb_to_linear = make_srgb_table();
+}();
 
 /// The two texels around a coordinate along one axis, and the weight of the second.
 struct Tap {

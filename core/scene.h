@@ -128,9 +128,6 @@ struct Scene {
     std::vector<LeftOut> left_out;
 };
 
-/// An 8-bit sRGB value as linear light in [0, 1]. Source: IEC 61966-2-1.
-[[nodiscard]] float linear_from_srgb(std::uint8_t encoded) noexcept;
-
 /// What a light path reads at a point of a surface.
 struct SurfacePoint {
     glm::vec3 albedo{0};  // base colour in [0, max_albedo]

@@ -81,7 +81,7 @@ class Simplifier {
         return std::all_of(all.begin(), all.end(), [&](const glm::u8vec4& t) { return part(t) == part(all.front()); });
     }
     static glm::vec3 linear(glm::u8vec4 color) {
-        return {linear_from_srgb(color.r), linear_from_srgb(color.g), linear_from_srgb(color.b)};
+        return {decode_srgb(color.r), decode_srgb(color.g), decode_srgb(color.b)};
     }
 
     void simplify_alpha(std::size_t index) {

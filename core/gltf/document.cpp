@@ -166,7 +166,8 @@ std::string text_in(const json& object, const char* name) {
 
 }  // namespace
 
-Document::Document(std::string file, const fs::path& folder) : folder_(folder), file_(std::move(file)) {
+Document::Document(std::string file, const fs::path& folder)
+    : folder_(folder.empty() ? "." : folder), file_(std::move(file)) {
     Bytes text = std::as_bytes(std::span(file_));
     binary_ = starts_with(text, "glTF");
     if (binary_) {
@@ -202,8 +203,7 @@ void Document::parse(Bytes text) {
                                     tinygltf::NO_REQUIRE))
         throw Error("cannot be parsed: " + error, "", "Export the level again.");
 
-    const Findings links = check_links(model_, buffers_, images_);
-    findings_.insert(findings_.end(), links.begin(), links.end());
+    check_links(model_, buffers_, images_, findings_);
     for (std::size_t i = 0; i < buffers_.size(); ++i) buffer_data_.emplace_back();
     for (std::size_t i = 0; i < model_.bufferViews.size(); ++i) unpacked_views_.emplace_back();
     images_read_.resize(images_.size());
@@ -355,7 +355,7 @@ Findings Document::check_unread() const {
             if (resource.file.empty())
                 verify();
             else if (!fs::exists(resource.file, ignored))
-                throw Error(fmt::format("{} does not exist", resource.file.string()));
+                throw Error(fmt::format("\"{}\" does not exist", resource.file.lexically_relative(folder_).string()));
         } catch (const Error& error) {
             findings.push_back({"", resource.name, error.problem()});
         }

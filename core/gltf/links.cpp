@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <initializer_list>
 #include <map>
+#include <set>
 #include <string_view>
 
 namespace lightgrid::gltf {
@@ -67,10 +68,13 @@ std::string format_of(const Accessor& accessor) {
 
 class Links {
   public:
-    Links(const tinygltf::Model& model, std::span<const BufferSource> buffers, std::span<const ImageSource> images)
-        : model_(model), buffers_(buffers), images_(images) {}
+    Links(const tinygltf::Model& model, std::span<const BufferSource> buffers, std::span<const ImageSource> images,
+          Findings& findings)
+        : model_(model), buffers_(buffers), images_(images), findings_(findings) {
+        for (const Finding& finding : findings) broken_.insert(finding.thing);
+    }
 
-    Findings check() {
+    void check() {
         for (std::size_t i = 0; i < buffers_.size(); ++i) check_buffer(i);
         for (std::size_t i = 0; i < model_.bufferViews.size(); ++i) check_view(i);
         for (std::size_t i = 0; i < images_.size(); ++i) check_image(i);
@@ -79,7 +83,6 @@ class Links {
         check_hierarchy();
         for (std::size_t i = 0; i < model_.skins.size(); ++i) check_skin(i);
         for (std::size_t i = 0; i < model_.nodes.size(); ++i) check_node(i);
-        return std::move(findings_);
     }
 
   private:
@@ -102,6 +105,9 @@ class Links {
     }
 
     const Accessor& accessor(int index) const { return model_.accessors[static_cast<std::size_t>(index)]; }
+    bool is_broken(int accessor_index) const {
+        return !broken_.empty() && broken_.contains(fmt::format("/accessors/{}", accessor_index));
+    }
     const tinygltf::BufferView& view(int index) const { return model_.bufferViews[static_cast<std::size_t>(index)]; }
 
     void check_buffer(std::size_t i) {
@@ -205,9 +211,11 @@ class Links {
         for (const auto& [name, index] : primitive.attributes) {
             const std::string here = part + "/attributes/" + name;
             const Accessor& data = accessor(index);
+            if (is_broken(index)) continue;
             if (!has_format(name, data))
                 bad_part(place, here, fmt::format("is {} (accessor {})", format_of(data), index));
-            else if (position != primitive.attributes.end() && data.count != accessor(position->second).count)
+            else if (position != primitive.attributes.end() && !is_broken(position->second) &&
+                     data.count != accessor(position->second).count)
                 bad_part(place, here,
                          fmt::format("has {} elements (accessor {}), but there are {} positions", data.count, index,
                                      accessor(position->second).count));
@@ -229,6 +237,7 @@ class Links {
             for (const auto& [name, index] : primitive.targets[k]) {
                 const std::string here = fmt::format("{}/targets/{}/{}", part, k, name);
                 const Accessor& data = accessor(index);
+                if (is_broken(index)) continue;
                 if (name == "POSITION" && !has_format(name, data))
                     bad_part(place, here, fmt::format("is {} (accessor {})", format_of(data), index));
                 const auto base = primitive.attributes.find(name);
@@ -269,6 +278,7 @@ class Links {
 
     void check_indices(const Place& place, const std::string& part, int index) {
         const Accessor& data = accessor(index);
+        if (is_broken(index)) return;
         if (data.type != TINYGLTF_TYPE_SCALAR || !is_one_of(data.componentType, {ubyte_type, ushort_type, uint_type}))
             bad(place, part, fmt::format("are {} (accessor {})", format_of(data), index));
         if (view(data.bufferView).buffer < 0) return;
@@ -285,6 +295,7 @@ class Links {
             harmless(place, "/joints", "have no common root");
         if (skin.inverseBindMatrices < 0) return;
         const Accessor& data = accessor(skin.inverseBindMatrices);
+        if (is_broken(skin.inverseBindMatrices)) return;
         if (data.type != TINYGLTF_TYPE_MAT4 || data.componentType != float_type)
             bad(place, "/inverseBindMatrices", fmt::format("are {}", format_of(data)));
         else if (data.count < skin.joints.size())
@@ -394,7 +405,8 @@ class Links {
     const tinygltf::Model& model_;
     std::span<const BufferSource> buffers_;
     std::span<const ImageSource> images_;
-    Findings findings_;
+    Findings& findings_;
+    std::set<std::string> broken_;  // things that had findings before
     std::vector<int> parents_;
     std::vector<int> roots_;
     std::map<int, int> view_readers_;  // buffer view -> the accessor that reads vertices from it, or indices_reader
@@ -402,9 +414,9 @@ class Links {
 
 }  // namespace
 
-Findings check_links(const tinygltf::Model& model, std::span<const BufferSource> buffers,
-                     std::span<const ImageSource> images) {
-    return Links(model, buffers, images).check();
+void check_links(const tinygltf::Model& model, std::span<const BufferSource> buffers,
+                 std::span<const ImageSource> images, Findings& findings) {
+    Links(model, buffers, images, findings).check();
 }
 
 }  // namespace lightgrid::gltf
