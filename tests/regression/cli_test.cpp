@@ -1,0 +1,358 @@
+// Runs the built `lightgrid` as a user or a script does.
+
+#include "core/sh.h"
+#include "core/whole_file.h"
+#include "probes/half_storage.h"
+#include "probes/volume_file.h"
+#include "tools/csv.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+namespace lightgrid {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Result {
+    int status = -1;
+    std::string out;
+    std::string err;
+};
+
+// A folder with a volume and a probe list, and the program run in it.
+class Cli : public testing::Test {
+  protected:
+    void SetUp() override {
+        std::string name = (fs::temp_directory_path() / "lightgrid-cli-XXXXXX").string();
+        folder_ = ::mkdtemp(name.data());
+        save_volume(linear_volume(), folder_ / "hall.probes.exr");
+        save_volume(list(), folder_ / "list.probes.exr");
+        write("points.csv", "x,y,z\n0.5,1,1.5\n-9,1,1\n");
+    }
+    void TearDown() override { fs::remove_all(folder_); }
+
+    // Uniform radiance at each probe, growing with x: irradiance is pi (1 + x) in red, half of that in green.
+    static Volume linear_volume() {
+        Volume volume = make_volume({{{0, 0, 0}, {1, 1, 1}, {5, 3, 3}}}, 3);
+        for (std::size_t slot = 0; slot < volume.slots(); ++slot) {
+            if (volume.states[slot] == ProbeState::absent) continue;
+            const double radiance = 1 + lattice_position(volume, slot).x;
+            volume.coefficients[slot * 9] = glm::vec3(2 * std::sqrt(M_PI) * radiance * glm::dvec3(1, 0.5, 0));
+            volume.errors[slot * 9] = glm::vec3(0.01);
+            for (std::size_t axis = 0; axis < 6; ++axis) volume.axis_errors[slot * 6 + axis] = glm::vec3(0.02);
+        }
+        volume.states[1] = ProbeState::missing;  // at (1, 0, 0)
+        volume.settings = {{"level", "hall.glb"}, {"replicates", "16"}, {"seed", "7"}};
+        return volume;
+    }
+
+    static Volume list() {
+        Volume volume = make_probe_list({{1, 0.5, 0.5}, {0.1, 0.2, 0.3}, {1, 0.5, 0.5}}, 3);
+        for (std::size_t i = 0; i < 3; ++i) volume.coefficients[9 * i] = glm::vec3(2 * std::sqrt(M_PI));
+        volume.states[1] = ProbeState::missing;
+        return volume;
+    }
+
+    void write(const char* name, const std::string& text) const { std::ofstream(folder_ / name) << text; }
+
+    [[nodiscard]] Result shell(const std::string& command) const {
+        const std::string line =
+            fmt::format("cd '{}' && {{ {}\n}} >out.txt 2>err.txt </dev/null", folder_.string(), command);
+        const int raw = std::system(line.c_str());
+        return {WIFEXITED(raw) ? WEXITSTATUS(raw) : -1, read_whole_file(folder_ / "out.txt"),
+                read_whole_file(folder_ / "err.txt")};
+    }
+    [[nodiscard]] Result run(const std::string& arguments) const { return shell(LIGHTGRID_PROGRAM " " + arguments); }
+
+    // The call is wrong: status 2, nothing on standard output, one line that says what on standard error.
+    void expect_refused(const std::string& arguments, const std::string& message) const {
+        const Result result = run(arguments);
+        EXPECT_EQ(result.status, 2) << arguments;
+        EXPECT_EQ(result.out, "") << arguments;
+        EXPECT_EQ(result.err.rfind("lightgrid: ", 0), 0U) << result.err;
+        EXPECT_NE(result.err.find(message), std::string::npos)
+            << arguments << "\nsaid:   " << result.err << "wanted: " << message;
+    }
+
+    [[nodiscard]] CsvTable csv(const std::string& arguments) const {
+        const Result result = run(arguments);
+        EXPECT_EQ(result.status, 0) << result.err;
+        EXPECT_EQ(result.err, "");
+        return {result.out, "out.txt"};
+    }
+
+    [[nodiscard]] nlohmann::json json(const std::string& arguments) const {
+        const Result result = run(arguments);
+        EXPECT_EQ(result.status, 0) << result.err;
+        return nlohmann::json::parse(result.out);
+    }
+
+    fs::path folder_;
+};
+
+std::string first_line(const std::string& text) {
+    return text.substr(0, text.find('\n'));
+}
+
+// ---- query
+// -------------------------------------------------------------------------------------------------------------
+
+TEST_F(Cli, QueryPrintsIrradianceForTheGivenNormals) {
+    write("normals.csv", "nx,ny,nz,x,y,z\n0,0,2,0.5,1,1.5\n");
+    const Result result = run("query hall.probes.exr --points normals.csv");
+    EXPECT_EQ(first_line(result.out), "x,y,z,nx,ny,nz,r,g,b,valid");
+    const CsvTable table(result.out, "out");
+    ASSERT_EQ(table.rows(), 1U);
+    EXPECT_EQ(table.number(0, table.column("x")), 0.5);
+    EXPECT_EQ(table.number(0, table.column("nz")), 2) << "normals come back as they were given";
+    EXPECT_NEAR(table.number(0, table.column("r")), M_PI * 1.5, 1e-5);
+    EXPECT_NEAR(table.number(0, table.column("g")), M_PI * 0.75, 1e-5);
+    EXPECT_EQ(table.number(0, table.column("b")), 0);
+    EXPECT_EQ(table.number(0, table.column("valid")), 1);
+}
+
+TEST_F(Cli, QueryTakesTheSixAxesWhereNoNormalsAreGiven) {
+    const CsvTable table = csv("query hall.probes.exr --points points.csv");
+    ASSERT_EQ(table.rows(), 12U);
+    for (std::size_t row = 0; row < 12; ++row) {
+        for (int axis = 0; axis < 3; ++axis) {
+            EXPECT_EQ(table.number(row, 3 + axis), axis_normals[row % 6][axis]);
+        }
+    }
+    EXPECT_NEAR(table.number(6, table.column("r")), M_PI, 1e-5) << "clamped to x = 0";
+}
+
+TEST_F(Cli, QueryPrintsCoefficients) {
+    const Result result = run("query --sh --points points.csv hall.probes.exr");
+    EXPECT_EQ(first_line(result.out).rfind("x,y,z,valid,c0r,c0g,c0b,c1r,", 0), 0U) << result.out;
+    const CsvTable table(result.out, "out");
+    EXPECT_NEAR(table.number(0, table.column("c0r")), 2 * std::sqrt(M_PI) * 1.5, 1e-5);
+    EXPECT_EQ(table.number(0, table.column("c8b")), 0);
+    EXPECT_EQ(table.rows(), 2U);
+}
+
+TEST_F(Cli, QueryReadsStandardInputAndPrintsNumbersThatReadBack) {
+    const Result result = shell("printf 'x,y,z\\n0.1,1e-3,0.30000000000000004\\n' | " LIGHTGRID_PROGRAM
+                                " query --points=- --sh hall.probes.exr");
+    EXPECT_EQ(result.status, 0) << result.err;
+    EXPECT_NE(result.out.find("\n0.1,0.001,0.30000000000000004,1,"), std::string::npos) << result.out;
+}
+
+TEST_F(Cli, QueryFadesToTheSkyOutside) {
+    const CsvTable dark = csv("query hall.probes.exr --points points.csv --outside fade");
+    EXPECT_EQ(dark.number(6, dark.column("r")), 0);
+    const CsvTable sky = csv("query hall.probes.exr --points points.csv --outside=fade --fade-distance 18 --sky 3,0,0");
+    EXPECT_NEAR(sky.number(6, sky.column("r")), M_PI * 2, 1e-5) << "half way from 1 to 3";
+    EXPECT_NEAR(sky.number(0, sky.column("r")), M_PI * 1.5, 1e-5);
+}
+
+TEST_F(Cli, QueryMovesPointsByTheNormalBias) {
+    write("normals.csv", "x,y,z,nx,ny,nz\n2,1,1,1,0,0\n");
+    const CsvTable table = csv("query hall.probes.exr --points normals.csv --normal-bias 0.5");
+    EXPECT_EQ(table.number(0, table.column("x")), 2);
+    EXPECT_NEAR(table.number(0, table.column("r")), M_PI * 3.5, 1e-5);
+    EXPECT_NEAR(csv("query hall.probes.exr --points normals.csv --normal-bias=-0.5").number(0, 6), M_PI * 2.5, 1e-5);
+    EXPECT_NEAR(csv("query hall.probes.exr --points normals.csv --normal-bias -0.5").number(0, 6), M_PI * 2.5, 1e-5);
+}
+
+TEST_F(Cli, QuerySaysWhereNoLightIsKnown) {
+    write("normals.csv", "x,y,z,nx,ny,nz\n1,0,0,1,0,0\n1,0,0.5,1,0,0\n");
+    const CsvTable table = csv("query hall.probes.exr --points normals.csv");
+    EXPECT_EQ(table.number(0, table.column("valid")), 0);
+    EXPECT_EQ(table.number(1, table.column("valid")), 1);
+    EXPECT_NEAR(table.number(1, table.column("r")), M_PI * 2, 1e-5) << "from the valid corners alone";
+}
+
+TEST_F(Cli, QueryRefusesWhatItCannotAnswer) {
+    expect_refused("query list.probes.exr --points points.csv", "is a probe list: it has no cells");
+    expect_refused("query hall.probes.exr", "--points is required");
+    expect_refused("query hall.probes.exr --points nowhere.csv",
+                   "nowhere.csv: cannot be read: No such file or directory");
+    write("bad.csv", "x,y,z\n1,2,3\n1,nan,3\n");
+    expect_refused("query hall.probes.exr --points bad.csv", "bad.csv: line 3: column y: \"nan\" is not finite");
+    expect_refused("query hall.probes.exr --points hall.probes.exr", "is not a text file");
+    expect_refused("query points.csv --points points.csv", "points.csv: is not an OpenEXR file");
+    expect_refused("query hall.probes.exr --points points.csv --outside wrap", "wrap");
+    expect_refused("query hall.probes.exr --points points.csv --sky 1,2", "--sky");
+    expect_refused("query hall.probes.exr --points points.csv --normal-bias inf", "inf is not a finite number");
+    expect_refused("query hall.probes.exr --points points.csv --sh --normal-bias 1", "--sh");
+}
+
+// ---- probes, info
+// --------------------------------------------------------------------------------------------------------
+
+TEST_F(Cli, ProbesPrintsTheGridWithXFastest) {
+    const Result result = run("probes hall.probes.exr");
+    EXPECT_EQ(first_line(result.out).rfind("x,y,z,valid,c0r,c0g,c0b,c1r,", 0), 0U);
+    EXPECT_NE(first_line(result.out).find(",c8b,e0r,e0g,e0b,"), std::string::npos);
+    const CsvTable table(result.out, "out");
+    ASSERT_EQ(table.rows(), 45U);
+    for (std::size_t row = 0; row < 45; ++row) {
+        EXPECT_EQ(table.number(row, 0), row % 5);
+        EXPECT_EQ(table.number(row, 1), row / 5 % 3);
+        EXPECT_EQ(table.number(row, 2), row / 15);
+        EXPECT_EQ(table.number(row, 3), row == 1 ? 0 : 1);
+    }
+    EXPECT_NE(result.out.find(",0.01,"), std::string::npos) << "the shortest text of a float";
+}
+
+TEST_F(Cli, ProbesKeepsTheRowsOfAList) {
+    const CsvTable table = csv("probes list.probes.exr");
+    ASSERT_EQ(table.rows(), 3U);
+    EXPECT_EQ(table.number(1, 0), 0.1);
+    EXPECT_EQ(table.number(1, 3), 0);
+    EXPECT_NEAR(table.number(1, 4), 2 * std::sqrt(M_PI), 1e-6) << "not valid, but gathered";
+    EXPECT_EQ(table.number(2, 0), table.number(0, 0));
+}
+
+TEST_F(Cli, InfoTellsEverythingAsTextAndAsJson) {
+    const Result text = run("info hall.probes.exr");
+    EXPECT_EQ(text.status, 0);
+    for (const char* part : {"5 x 3 x 3 probes", "45: 44 valid", "1 missing", "float", "hall.glb", "standard error"}) {
+        EXPECT_NE(text.out.find(part), std::string::npos) << part << "\n" << text.out;
+    }
+    const nlohmann::json info = json("info --json hall.probes.exr");
+    EXPECT_EQ(info["grids"][0]["counts"], nlohmann::json({5, 3, 3}));
+    EXPECT_EQ(info["probes"]["total"], 45);
+    EXPECT_EQ(info["probes"]["missing"], 1);
+    EXPECT_EQ(info["replicates"], 16);
+    EXPECT_EQ(info["settings"]["seed"], "7");
+    EXPECT_EQ(info["bytes"], fs::file_size(folder_ / "hall.probes.exr"));
+    EXPECT_NEAR(info["irradiance"]["standard_error"].get<double>(), 0.02, 1e-6);
+    EXPECT_EQ(json("info list.probes.exr --json")["kind"], "list");
+}
+
+// ---- diff
+// --------------------------------------------------------------------------------------------------------------
+
+TEST_F(Cli, DiffOfAVolumeWithItselfIsZero) {
+    const nlohmann::json same = json("diff hall.probes.exr hall.probes.exr --json");
+    EXPECT_EQ(same["relrmse"], 0);
+    EXPECT_EQ(same["points"], 44);
+    EXPECT_EQ(same["unknown_in_reference"], 1);
+    EXPECT_EQ(json("diff list.probes.exr list.probes.exr --json")["relrmse"], 0);
+}
+
+TEST_F(Cli, DiffMeasuresTheShareThatLightIsOff) {
+    Volume brighter = linear_volume();
+    for (glm::vec3& c : brighter.coefficients) c *= 1.03F;
+    save_volume(brighter, folder_ / "bright.probes.exr");
+    const nlohmann::json off = json("diff hall.probes.exr bright.probes.exr --json");
+    EXPECT_NEAR(off["relrmse"].get<double>(), 0.03, 1e-5);
+    EXPECT_NEAR(off["mean_error"].get<double>(), 0.03, 1e-5);
+    EXPECT_NE(run("diff hall.probes.exr bright.probes.exr").out.find("relRMSE         3 %"), std::string::npos);
+}
+
+TEST_F(Cli, DiffTakesWhatTheOtherVerbsPrint) {
+    for (const char* verb : {"query hall.probes.exr --points points.csv",
+                             "query hall.probes.exr --points points.csv --sh", "probes hall.probes.exr"}) {
+        const Result printed = run(verb);
+        write("a.csv", printed.out);
+        EXPECT_LT(json("diff a.csv hall.probes.exr --json")["relrmse"].get<double>(), 1e-6) << verb;
+    }
+}
+
+TEST_F(Cli, DiffTakesTheStatedNoiseOfAReferenceOut) {
+    // Twice the same truth, once too bright and once too dark by exactly the stated error: nothing is left.
+    const double truth = M_PI * 1.5;
+    write("a.csv", fmt::format("x,y,z,nx,ny,nz,r,g,b,er,eg,eb\n0.5,1,1.5,0,1,0,{},{},0,0.1,0.1,0\n"
+                               "0.5,1,1.5,1,0,0,{},{},0,0.1,0.1,0\n",
+                               truth + 0.1, truth / 2 + 0.1, truth - 0.1, truth / 2 - 0.1));
+    const nlohmann::json found = json("diff a.csv hall.probes.exr --json");
+    EXPECT_LT(found["relrmse"].get<double>(), 1e-3);
+    EXPECT_GT(found["reference_noise"].get<double>(), 0.02);
+}
+
+TEST_F(Cli, DiffRefusesWhatItCannotCompare) {
+    expect_refused("diff hall.probes.exr list.probes.exr", "is a probe list and has no probe at 0, 0, 0");
+    expect_refused("diff hall.probes.exr points.csv", "points.csv: is not an OpenEXR file");
+    expect_refused("diff points.csv hall.probes.exr", "has neither columns r, g, b nor c0r");
+    write("odd.csv", "x,y,z,c0r,c0g,c0b,c1r,c1g,c1b\n0,0,0,1,1,1,1,1,1\n");
+    expect_refused("diff odd.csv hall.probes.exr", "2 coefficients are not the square");
+    write("nothing.csv", "x,y,z,c0r,c0g,c0b\n");
+    expect_refused("diff nothing.csv hall.probes.exr", "nothing.csv: has no rows");
+    expect_refused("diff hall.probes.exr", "B is required");
+}
+
+// ---- The program
+// ---------------------------------------------------------------------------------------------------------
+
+TEST_F(Cli, AnswersForHelpAndVersionOnStandardOutput) {
+    for (const char* call : {"--help", "info --help", "query -h", "--version"}) {
+        const Result result = run(call);
+        EXPECT_EQ(result.status, 0) << call;
+        EXPECT_NE(result.out, "") << call;
+        EXPECT_EQ(result.err, "") << call;
+    }
+    EXPECT_EQ(run("--version").out.rfind("lightgrid ", 0), 0U);
+    EXPECT_NE(run("query --help").out.find("--points"), std::string::npos);
+}
+
+TEST_F(Cli, ReportsEveryWrongOptionAndWhatItMayHaveMeant) {
+    const Result result = run("query hall.probes.exr --pionts points.csv --outside wrap --normal-bias much --quick");
+    EXPECT_EQ(result.status, 2);
+    for (const char* part : {"unknown option --pionts (did you mean --points?)", "unknown option --quick", "wrap",
+                             "much", "--points is required", "See lightgrid query --help."}) {
+        EXPECT_NE(result.err.find(part), std::string::npos) << part << "\n" << result.err;
+    }
+    EXPECT_EQ(result.err.find("--quick (did"), std::string::npos) << result.err;
+    expect_refused("", "no verb: one of info, probes, query, diff");
+    expect_refused("inof hall.probes.exr", "unknown verb inof (did you mean info?)");
+    expect_refused("info hall.probes.exr list.probes.exr", "argument \"list.probes.exr\" is one too many");
+    expect_refused("info", "VOLUME is required");
+    expect_refused("info hall.probes.exr --jsn=1", "unknown option --jsn (did you mean --json?)");
+}
+
+TEST_F(Cli, TakesAClosedPipeForAnAnswer) {
+    std::string many = "x,y,z\n";
+    for (int i = 0; i < 100000; ++i) many += "1,1,1\n";
+    write("many.csv", many);
+    const Result result =
+        shell("(" LIGHTGRID_PROGRAM " query hall.probes.exr --points many.csv; echo $? >status.txt) | head -n 1");
+    EXPECT_EQ(first_line(result.out), "x,y,z,nx,ny,nz,r,g,b,valid");
+    EXPECT_EQ(result.err, "");
+    EXPECT_EQ(read_whole_file(folder_ / "status.txt"), "0\n");
+}
+
+TEST_F(Cli, FailsWhereResultsCannotBeWritten) {
+    const Result result = shell(LIGHTGRID_PROGRAM " probes hall.probes.exr >/dev/full");
+    EXPECT_EQ(result.status, 1);
+    EXPECT_NE(result.err.find("standard output: cannot be written: No space left on device"), std::string::npos);
+}
+
+TEST_F(Cli, NamesBrokenVolumes) {
+    write("empty.exr", "");
+    expect_refused("info empty.exr", "empty.exr: is empty");
+    const std::string whole = read_whole_file(folder_ / "hall.probes.exr");
+    write("half.exr", whole.substr(0, whole.size() / 2));
+    expect_refused("info half.exr", "half.exr: is damaged");
+    expect_refused("probes .", ".: cannot be read: Is a directory");
+    const fs::path stock = fs::path(LIGHTGRID_SHARED) / "data/exr-magnum-tiny/rgba32f.exr";
+    if (fs::exists(stock)) expect_refused("info " + stock.string(), "is an OpenEXR image but not a probe volume");
+}
+
+TEST_F(Cli, WritesNoColourThatNobodyCanSee) {
+    const Result result = run("info nowhere.exr");
+    EXPECT_EQ(result.err.find('\x1b'), std::string::npos);
+}
+
+TEST_F(Cli, ReadsTheSameLightFromHalfStorage) {
+    Volume volume = linear_volume();
+    for (glm::vec3& error : volume.errors) error *= 100.0F;
+    ASSERT_TRUE(choose_storage(volume).half);
+    store_as_half(volume);
+    save_volume(volume, folder_ / "half.probes.exr");
+    EXPECT_LT(json("diff hall.probes.exr half.probes.exr --json")["relrmse"].get<double>(), std::ldexp(1, -11));
+    EXPECT_EQ(json("info half.probes.exr --json")["storage"]["type"], "half");
+}
+
+}  // namespace
+}  // namespace lightgrid
