@@ -209,7 +209,7 @@ BakePlan plan_bake(const PathTracer& paths, const BakeOptions& options) {
         plan.left_out.push_back(
             {fmt::format("gathers of {} probes inside solids", plan.placement.invalid),
              fmt::format("of {} rays around each nearly all met near back faces, none of them light",
-                         plan.placement.rays / std::max<std::uint64_t>(1, plan.volume.slots())),
+                         plan.placement.rays / (plan.placement.valid + plan.placement.moved + plan.placement.invalid)),
              fmt::format("about {:.3g} million rays", static_cast<double>(plan.placement.invalid) * plan.samples *
                                                           pilot.rays_per_sample * 1e-6)});
     }

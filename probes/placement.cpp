@@ -79,9 +79,9 @@ bool touches(const Tracer& tracer, glm::vec3 point, float clearance) {
     });
 }
 
-/// The least offset that frees the point, or none. `reach`: the most along each axis.
+/// The least offset that frees the point, or none, by the surroundings alone. `reach`: the most along each axis.
 std::optional<glm::vec3> freeing_offset(const Tracer& tracer, glm::vec3 point, const Surroundings& seen, glm::vec3 reach,
-                                        float clearance, const Box& limits, const LightEvidence& light) {
+                                        float clearance, const Box& limits, bool has_sky) {
     std::vector<glm::vec3> candidates;
     for (const Sight& sight : seen.hits) {
         if (sight.back) candidates.push_back(sight.direction * (sight.distance + 2 * clearance));
@@ -98,7 +98,8 @@ std::optional<glm::vec3> freeing_offset(const Tracer& tracer, glm::vec3 point, c
                      [](glm::vec3 a, glm::vec3 b) { return glm::dot(a, a) < glm::dot(b, b); });
     const std::size_t tried = std::min<std::size_t>(candidates.size(), most_candidates);
     for (std::size_t i = 0; i < tried; ++i) {
-        if (is_free(tracer, point + candidates[i], clearance, light)) return candidates[i];
+        const glm::vec3 moved = point + candidates[i];
+        if (!touches(tracer, moved, clearance) && !looks_inside(look_around(tracer, moved), has_sky)) return candidates[i];
     }
     return {};
 }
@@ -254,7 +255,7 @@ GridChoice choose_grids(const Scene& scene, const PlacementOptions& options) {
     std::string over = boxes.size() == 1 ? "the given box" : "the given boxes";
     if (boxes.empty()) {
         boxes = scene.volume_markers;
-        over = fmt::format("{} marked in the level", boxes.size() == 1 ? "the box" : "the boxes");
+        over = boxes.size() == 1 ? "the box marked in the level" : "the boxes marked in the level";
     }
     if (boxes.empty() && !scene.bounds.empty()) {
         boxes = {scene.bounds};
@@ -288,8 +289,8 @@ GridChoice choose_grids(const Scene& scene, const PlacementOptions& options) {
                                 options.max_probes),
                     "--max-probes", "Allow more probes or give fewer boxes");
     }
-    choice.why = fmt::format("{:.4g} m, so that {} hold about {:.0f} probes", spacing, over,
-                             std::min(automatic_probes, static_cast<double>(options.max_probes)));
+    choice.why = fmt::format("{:.4g} m, for about {:.0f} probes over {}", spacing,
+                             std::min(automatic_probes, static_cast<double>(options.max_probes)), over);
     return choice;
 }
 
@@ -319,7 +320,7 @@ PlacementCounts place_probes(Volume& volume, const Tracer& tracer, const LightEv
         }
         const Box limits{grid.origin - origin, grid.position(grid.counts - 1) - origin};
         const std::optional<glm::vec3> offset =
-            freeing_offset(tracer, place, seen, 0.5F * spacing, clearance, limits, light);
+            freeing_offset(tracer, place, seen, 0.5F * spacing, clearance, limits, light.has_sky);
         volume.states[slot] = offset ? ProbeState::moved : ProbeState::missing;
         offsets[slot] = offset.value_or(glm::vec3(0));
     });
