@@ -159,11 +159,12 @@ void keep_used_vertices(Mesh& mesh, std::vector<std::uint32_t>& picks) {
     const std::vector<std::uint32_t> used = keep_used_vertices(mesh.triangles, mesh.positions.size());
     if (used.empty()) return;
     std::vector<std::uint32_t> still_picked(used.size());
+    std::vector<glm::vec3> positions(used.size());
     for (std::size_t i = 0; i < used.size(); ++i) {
-        mesh.positions[i] = mesh.positions[used[i]];
+        positions[i] = mesh.positions[used[i]];
         still_picked[i] = picks.empty() ? used[i] : picks[used[i]];
     }
-    mesh.positions.resize(used.size());
+    mesh.positions = std::move(positions);
     picks = std::move(still_picked);
 }
 
@@ -317,7 +318,9 @@ std::size_t drop_triangles_without_area(Mesh& mesh) {
         return glm::cross(glm::dvec3(mesh.positions[corners.y]) - a, glm::dvec3(mesh.positions[corners.z]) - a) ==
                glm::dvec3(0);
     };
-    return std::erase_if(mesh.triangles, has_no_area);
+    const std::size_t dropped = std::erase_if(mesh.triangles, has_no_area);
+    if (dropped > 0) mesh.triangles.shrink_to_fit();
+    return dropped;
 }
 
 bool makes_triangles(const tinygltf::Primitive& primitive) {

@@ -28,9 +28,7 @@ struct Report {
     Findings findings;
     std::map<std::string, std::size_t> counts;  // elements of the document's arrays, by name
     std::set<std::string> extensions_used;
-    std::string thing;       // JSON pointer of the thing being checked
-    std::string thing_name;  // `mesh "arch"`
-    bool read = true;        // whether light paths read the part being checked
+    bool read = true;  // whether light paths read the part being checked
 };
 
 std::string escaped(std::string key) {
@@ -56,11 +54,12 @@ class Check {
     [[nodiscard]] bool sound() const { return sound_; }
 
     void bad(const std::string& name, const std::string& problem) {
-        std::string pointer = this->pointer();
-        if (!name.empty()) pointer += "/" + escaped(name);
-        const std::string place =
-            report_.thing_name.empty() ? pointer : fmt::format("{} ({})", report_.thing_name, pointer);
-        report_.findings.push_back({report_.read ? report_.thing : "", place, problem});
+        std::string place = pointer();
+        if (!name.empty()) place += "/" + escaped(name);
+        const Check* thing = this;
+        while (thing != nullptr && thing->kind_ == nullptr) thing = thing->outer_;
+        if (thing != nullptr) place = fmt::format("{} ({})", thing->thing_name(), place);
+        report_.findings.push_back({report_.read && thing != nullptr ? thing->pointer() : "", place, problem});
         sound_ = sound_ && !report_.read;
     }
 
@@ -114,14 +113,14 @@ class Check {
     }
     /// An array of numbers; `size` 0: any number of them but none.
     void numbers(const char* name, std::size_t size, double least = -largest, double most = largest) {
-        const json* value = find(name);
+        json* value = find(name);
         if (!value || !expect(value->is_array(), name, "is not an array") || !not_empty(*value, name)) return;
         if (size != 0 &&
             !expect(value->size() == size, name, fmt::format("has {} numbers, not {}", value->size(), size)))
             return;
         for (const json& element : *value)
             if (!is_number(element, name, least, most)) return;
-        clean_[name] = value->get<std::vector<double>>();
+        clean_[name] = std::move(*value);
     }
     /// A reference to an element of one of the document's arrays.
     void index(const char* name, const char* array) {
@@ -207,25 +206,23 @@ class Check {
         Check array(report_, *value, this, name);
         for (std::size_t i = 0; i < value->size(); ++i) {
             json& element = (*value)[i];
-            report_.thing = fmt::format("{}/{}", array.pointer(), i);
-            report_.thing_name.clear();
-            if (!element.is_object()) {
-                array.bad(std::to_string(i), "is not an object");
-                element = json::object();
-            }
-            const json& title = element.contains("name") ? element["name"] : json();
-            report_.thing_name = name_of(kind, i, title.is_string() ? title.get<std::string>() : "");
+            const bool is_object = element.is_object();
+            if (!is_object) element = json::object();
             Check inner(report_, element, &array, std::to_string(i));
+            inner.kind_ = kind;
+            inner.index_ = i;
             inner.leniently([](Check& check) { check.text("name"); });
+            if (!is_object) inner.bad("", "is not an object");
             body(inner);
             kept.push_back(inner.take());
         }
-        report_.thing.clear();
-        report_.thing_name.clear();
         clean_[name] = std::move(kept);
     }
 
   private:
+    [[nodiscard]] std::string thing_name() const {
+        return name_of(kind_, index_, clean_.contains("name") ? clean_["name"].get<std::string>() : "");
+    }
     void leniently(Check& check, const Body& body) {
         const bool before = std::exchange(report_.read, false);
         body(check);
@@ -268,6 +265,8 @@ class Check {
     json& source_;
     const Check* outer_;
     std::string key_;
+    const char* kind_ = nullptr;  // of a thing
+    std::size_t index_ = 0;       // of a thing
     json clean_ = json::object();
     bool sound_ = true;
 };
@@ -616,9 +615,8 @@ Findings check_structure(json& document) {
     root.things("skins", "skin", check_skin);
     root.things("textures", "texture", check_texture);
     root.extensions({{"KHR_lights_punctual", [](Check& c) { c.things("lights", "light", check_light); }}});
-    report.thing = "/scene";
     root.index("scene", "scenes");
-    report.thing.clear();
+    if (root.has("scene") && !root.clean().contains("scene")) report.findings.back().thing = "/scene";
     if (root.has("animations")) root.harmless("animations", "are not played: the level is baked as it stands at rest");
 
     document = root.take();
