@@ -10,7 +10,8 @@ constexpr int power_samples = 16;
 
 float mean_emission(const Scene& scene, const Mesh& mesh, std::uint32_t triangle) {
     const Material& material = scene.materials[mesh.material];
-    const int samples = material.emission_texture.used() || material.alpha_mode != AlphaMode::opaque ? power_samples : 1;
+    const int samples =
+        material.emission_texture.used() || material.alpha_mode != AlphaMode::opaque ? power_samples : 1;
     double sum = 0;
     for (int i = 0; i < samples; ++i) {
         const glm::vec2 where = triangle_point(sobol_point(static_cast<std::uint32_t>(i), 0));
@@ -55,9 +56,9 @@ float Emitters::pdf_by_area(std::uint32_t index) const noexcept {
     return static_cast<float>(table_.probability(index) / triangles_[index].area);
 }
 
-Emitters::Sample Emitters::sample(glm::vec3 receiver, glm::vec3 u) const noexcept {
-    const std::uint32_t index = table_.sample(u.x);
-    const glm::vec2 barycentric = triangle_point({u.y, u.z});
+Emitters::Sample Emitters::sample(glm::vec3 receiver, double pick, glm::vec2 where) const noexcept {
+    const std::uint32_t index = table_.sample(pick);
+    const glm::vec2 barycentric = triangle_point(where);
     const Hit hit{triangles_[index].id, 0, barycentric};
     Surface surface = tracer_->surface(hit, glm::vec3(0));
     const glm::vec3 to_emitter = surface.position - receiver;
@@ -80,9 +81,8 @@ Emitters::Sample Emitters::sample(glm::vec3 receiver, glm::vec3 u) const noexcep
 
 float Emitters::pdf(glm::vec3 receiver, const Hit& hit, const Surface& surface) const noexcept {
     if (empty()) return 0;
-    const std::size_t list = hit.id.instance == SurfaceId::none
-                                 ? 0
-                                 : 1 + hit.id.instance - tracer_->scene().placed.size();
+    const std::size_t list =
+        hit.id.instance == SurfaceId::none ? 0 : 1 + hit.id.instance - tracer_->scene().placed.size();
     const std::uint32_t first = first_[list][hit.id.geometry];
     if (first == SurfaceId::none) return 0;
     const glm::vec3 to_emitter = surface.position - receiver;

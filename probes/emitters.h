@@ -1,10 +1,11 @@
 #pragma once
 
-#include <glm/glm.hpp>
-#include <vector>
-
 #include "core/sampling.h"
 #include "core/tracer.h"
+
+#include <glm/glm.hpp>
+
+#include <vector>
 
 namespace lightgrid {
 
@@ -23,8 +24,8 @@ class Emitters {
     [[nodiscard]] bool empty() const noexcept { return table_.empty(); }
     [[nodiscard]] std::size_t size() const noexcept { return triangles_.size(); }
 
-    /// A point on an emitter, as seen from `receiver`. u: three numbers in [0, 1), the first picks the triangle.
-    [[nodiscard]] Sample sample(glm::vec3 receiver, glm::vec3 u) const noexcept;
+    /// A point on an emitter, as seen from `receiver`. Both in [0, 1): `pick` chooses the triangle, `where` the place.
+    [[nodiscard]] Sample sample(glm::vec3 receiver, double pick, glm::vec2 where) const noexcept;
     /// Density of `sample` for the point that a ray from `receiver` met, per steradian.
     [[nodiscard]] float pdf(glm::vec3 receiver, const Hit& hit, const Surface& surface) const noexcept;
 
