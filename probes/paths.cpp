@@ -87,15 +87,18 @@ PunctualLight punctual_light_at(const Light& light, glm::vec3 point) noexcept {
     if (light.kind == LightKind::directional) {
         result.direction = -light.direction;
         result.irradiance = light.intensity;
-        result.distance = infinity;
+        result.free_distance = infinity;
         return result;
     }
     const glm::vec3 to_light = light.position - point;
     const float squared = glm::dot(to_light, to_light);
     if (!(squared > 0)) return result;
-    result.distance = std::sqrt(squared);
-    result.direction = to_light / result.distance;
-    const float ratio = result.distance / light.range;  // 0 for an unlimited range
+    const float distance = std::sqrt(squared);
+    result.direction = to_light / distance;
+    // Up to the rounding of its place: a light exactly on a ceiling is not behind it.
+    const float rounding = 0x1p-20F * (distance + largest(glm::abs(light.position)));
+    result.free_distance = std::max(0.0F, distance - rounding);
+    const float ratio = distance / light.range;  // 0 for an unlimited range
     const float window = std::clamp(1 - ratio * ratio * ratio * ratio, 0.0F, 1.0F);
     float cone = 1;
     if (light.kind == LightKind::spot) {
@@ -156,7 +159,7 @@ LightSample PathTracer::from_lights(const Vertex& vertex, Dimensions& dimensions
     const PunctualLight arriving = punctual_light_at(*picked, vertex.position);
     ++counts.shadow_rays;
     const glm::vec3 passed =
-        tracer_->transmittance(vertex.origin(arriving.direction), arriving.direction, arriving.distance);
+        tracer_->transmittance(vertex.origin(arriving.direction), arriving.direction, arriving.free_distance);
     return {arriving.direction, passed * arriving.irradiance * (vertex.response(arriving.direction) * sum / share)};
 }
 
@@ -249,7 +252,7 @@ void PathTracer::gather_punctual(glm::vec3 point, std::vector<LightSample>& out,
         const PunctualLight arriving = punctual_light_at(light, point);
         if (arriving.irradiance == glm::vec3(0)) continue;
         ++counts.shadow_rays;
-        const glm::vec3 passed = tracer_->transmittance(point, arriving.direction, arriving.distance);
+        const glm::vec3 passed = tracer_->transmittance(point, arriving.direction, arriving.free_distance);
         if (passed != glm::vec3(0)) out.push_back({arriving.direction, passed * arriving.irradiance});
     }
 }

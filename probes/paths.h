@@ -89,7 +89,7 @@ class PathTracer {
 struct PunctualLight {
     glm::vec3 direction{0};  // towards the light
     glm::vec3 irradiance{0};
-    float distance = 0;
+    float free_distance = 0;  // towards it, that has to be free of surfaces
 };
 [[nodiscard]] PunctualLight punctual_light_at(const Light& light, glm::vec3 point) noexcept;
 
