@@ -183,7 +183,7 @@ glm::vec3 PathTracer::radiance_along(glm::vec3 origin, glm::vec3 direction, Dime
         }
         const Surface surface = tracer_->surface(hit, direction);
         const SurfacePoint point = surface_at(scene, *surface.mesh, hit.id.triangle, hit.barycentric);
-        if (point.emission != glm::vec3(0) && (surface.front || scene.materials[surface.mesh->material].double_sided)) {
+        if (point.emission != glm::vec3(0) && emitters_.emits(hit, surface.front)) {
             const float other = emitters_.pdf(scattered_at, hit, surface);
             radiance += throughput * point.alpha * point.emission * (scattered_pdf / (scattered_pdf + other));
         }

@@ -220,6 +220,22 @@ TEST(ClosedForms, MirroredInstanceOfALampShinesTheOtherWay) {
     expect_irradiance(level, {0, 4, 0}, {0, -1, 0}, polygon_irradiance(corners, {0, 0, 0}, {0, 1, 0}), "above");
 }
 
+TEST(ClosedForms, CoincidentLampsShineOnce) {
+    // Exported twice; and a panel that was made two-sided by a second face that is turned over.
+    const std::vector<glm::dvec3> corners = {{-1, 1, -1}, {1, 1, -1}, {1, 1, 1}, {-1, 1, 1}};
+    const double form = polygon_irradiance(corners, {0, 0, 0}, {0, 1, 0});
+    for (const bool turned_over : {false, true}) {
+        Scene scene;
+        const int lamp = add_grey(scene, 0, 1);
+        add_quad(scene, lamp, {-1, 1, -1}, {2, 0, 0}, {0, 0, 2});
+        add_quad(scene, lamp, {-1, 1, -1}, {2, 0, 0}, {0, 0, 2});
+        if (turned_over) add_mesh(scene, lamp, scene.meshes[0].positions, {{2, 1, 0}, {3, 2, 0}});
+        const Level level(std::move(scene));
+        expect_irradiance(level, {0, 0, 0}, {0, 1, 0}, form, "below");
+        expect_irradiance(level, {0, 2, 0}, {0, -1, 0}, turned_over ? form : 0, "above");
+    }
+}
+
 TEST(ClosedForms, EmitterSamplesAndGatherRaysAloneAgree) {
     // The two estimators that the gather combines, each for itself, and their densities at the same points.
     Scene scene;
