@@ -58,8 +58,9 @@ class PathTracer::Dimensions {
         const std::uint64_t seed = mix_bits(key_, pair_++);
         return sobol_point(shuffled_index(index_, static_cast<std::uint32_t>(mix_bits(seed, 0))), seed);
     }
+    /// One number of a pair, in double: stratified in its upper 24 bits.
+    [[nodiscard]] double next_choice() { return next2().x + 0x1p-24 * tail_.next_double(); }
     [[nodiscard]] float next() { return tail_.next(); }
-    [[nodiscard]] double next_double() { return tail_.next_double(); }
 
   private:
     static constexpr std::uint32_t stratified_pairs = 8;
@@ -112,8 +113,8 @@ PunctualLight punctual_light_at(const Light& light, glm::vec3 point) noexcept {
 }
 
 LightSample PathTracer::from_emitters(const Vertex& vertex, Dimensions& dimensions, PathCounts& counts) const {
-    const glm::vec2 where = dimensions.next2();
-    const Emitters::Sample emitter = emitters_.sample(vertex.position, dimensions.next_double(), where);
+    const double pick = dimensions.next_choice();
+    const Emitters::Sample emitter = emitters_.sample(vertex.position, pick, dimensions.next2());
     if (emitter.radiance == glm::vec3(0)) return {};
     const glm::vec3 direction = glm::normalize(emitter.position - vertex.position);
     const float response = vertex.response(direction);
@@ -125,8 +126,8 @@ LightSample PathTracer::from_emitters(const Vertex& vertex, Dimensions& dimensio
 }
 
 LightSample PathTracer::from_environment(const Vertex& vertex, Dimensions& dimensions, PathCounts& counts) const {
-    const glm::vec2 where = dimensions.next2();
-    const Environment::Sample sky = environment_->sample({dimensions.next(), where});
+    const float pick = dimensions.next2().x;
+    const Environment::Sample sky = environment_->sample({pick, dimensions.next2()});
     if (!(sky.pdf > 0)) return {};
     const float response = vertex.response(sky.direction);
     if (!(response > 0)) return {};
@@ -145,7 +146,7 @@ LightSample PathTracer::from_lights(const Vertex& vertex, Dimensions& dimensions
     float sum = 0;
     for (const Light& light : lights) sum += brings(light);
     if (!(sum > 0)) return {};
-    float left = dimensions.next() * sum;
+    float left = dimensions.next2().x * sum;
     float share = 0;
     const Light* picked = nullptr;
     for (const Light& light : lights) {
