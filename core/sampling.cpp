@@ -1,9 +1,10 @@
 #include "core/sampling.h"
 
-#include <algorithm>
-#include <cmath>
 #include <glm/gtc/constants.hpp>
 #include <glm/gtc/quaternion.hpp>
+
+#include <algorithm>
+#include <cmath>
 #include <numeric>
 
 namespace lightgrid {
@@ -89,9 +90,9 @@ AliasTable::AliasTable(std::span<const double> weights) : bins_(weights.size()) 
     for (const std::uint32_t i : large) bins_[i].alias = i;
 }
 
-std::uint32_t AliasTable::sample(float u) const noexcept {
+std::uint32_t AliasTable::sample(double u) const noexcept {
     const auto count = static_cast<std::uint32_t>(bins_.size());
-    const double scaled = static_cast<double>(u) * count;
+    const double scaled = u * count;
     const std::uint32_t index = std::min(static_cast<std::uint32_t>(scaled), count - 1);
     return scaled - index < bins_[index].threshold ? index : bins_[index].alias;
 }

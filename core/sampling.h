@@ -1,8 +1,9 @@
 #pragma once
 
+#include <glm/glm.hpp>
+
 #include <bit>
 #include <cstdint>
-#include <glm/glm.hpp>
 #include <span>
 #include <vector>
 
@@ -20,14 +21,24 @@ namespace lightgrid {
 }
 
 /// The upper 24 bits as a number in [0, 1): exact in float, never 1.
-[[nodiscard]] constexpr float to_unit(std::uint32_t bits) { return static_cast<float>(bits >> 8) * 0x1p-24F; }
+[[nodiscard]] constexpr float to_unit(std::uint32_t bits) {
+    return static_cast<float>(bits >> 8) * 0x1p-24F;
+}
+
+/// The upper 53 bits, likewise in double.
+[[nodiscard]] constexpr double to_unit_double(std::uint64_t bits) {
+    return static_cast<double>(bits >> 11) * 0x1p-53;
+}
 
 /// Counter-based random numbers: number k of stream `key` is mix_bits(key, k).
 class RandomStream {
   public:
     explicit constexpr RandomStream(std::uint64_t key) : key_(key) {}
 
-    [[nodiscard]] constexpr float next() { return to_unit(static_cast<std::uint32_t>(mix_bits(key_, counter_++) >> 32)); }
+    [[nodiscard]] constexpr float next() {
+        return to_unit(static_cast<std::uint32_t>(mix_bits(key_, counter_++) >> 32));
+    }
+    [[nodiscard]] constexpr double next_double() { return to_unit_double(mix_bits(key_, counter_++)); }
     [[nodiscard]] constexpr glm::vec2 next2() {
         const std::uint64_t bits = mix_bits(key_, counter_++);
         return {to_unit(static_cast<std::uint32_t>(bits >> 32)), to_unit(static_cast<std::uint32_t>(bits))};
@@ -109,13 +120,13 @@ class AliasTable {
     explicit AliasTable(std::span<const double> weights);
 
     [[nodiscard]] bool empty() const noexcept { return bins_.empty(); }
-    /// u in [0, 1).
-    [[nodiscard]] std::uint32_t sample(float u) const noexcept;
+    /// u in [0, 1), double: of 24 bits a table of a million entries would leave four to choose within a bin.
+    [[nodiscard]] std::uint32_t sample(double u) const noexcept;
     [[nodiscard]] float probability(std::uint32_t index) const noexcept { return bins_[index].probability; }
 
   private:
     struct Bin {
-        float threshold = 1;    // below: this index, else the alias
+        float threshold = 1;  // below: this index, else the alias
         std::uint32_t alias = 0;
         float probability = 0;
     };

@@ -1,12 +1,14 @@
 #include "core/tracer.h"
 
+#include "core/error.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <compare>
 #include <vector>
-
-#include "core/error.h"
 
 #if __has_include(<embree4/rtcore.h>)
 #include <embree4/rtcore.h>
@@ -17,10 +19,13 @@
 namespace lightgrid {
 namespace {
 
-// Embree 3 and 4 differ in how a query's own filter is passed; everything else here is the same for both.
+// Embree 3 and 4 differ in how a query is passed its context; everything else here is the same for both.
 #if RTC_VERSION_MAJOR >= 4
 using QueryContext = RTCRayQueryContext;
-constexpr RTCSceneFlags query_filter_flag = RTC_SCENE_FLAG_FILTER_FUNCTION_IN_ARGUMENTS;
+
+void init(QueryContext* context) {
+    rtcInitRayQueryContext(context);
+}
 
 void intersect(RTCScene scene, QueryContext* context, RTCRayHit* ray) {
     RTCIntersectArguments arguments;
@@ -29,69 +34,147 @@ void intersect(RTCScene scene, QueryContext* context, RTCRayHit* ray) {
     rtcIntersect1(scene, ray, &arguments);
 }
 
-void occluded(RTCScene scene, QueryContext* context, RTCRay* ray, RTCFilterFunctionN filter) {
+void occluded(RTCScene scene, QueryContext* context, RTCRay* ray) {
     RTCOccludedArguments arguments;
     rtcInitOccludedArguments(&arguments);
     arguments.context = context;
-    arguments.filter = filter;
-    if (filter != nullptr) arguments.flags = RTC_RAY_QUERY_FLAG_INVOKE_ARGUMENT_FILTER;
     rtcOccluded1(scene, ray, &arguments);
 }
-
-void init(QueryContext* context) { rtcInitRayQueryContext(context); }
 #else
 using QueryContext = RTCIntersectContext;
-constexpr RTCSceneFlags query_filter_flag = RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION;
 
-void intersect(RTCScene scene, QueryContext* context, RTCRayHit* ray) { rtcIntersect1(scene, context, ray); }
-
-void occluded(RTCScene scene, QueryContext* context, RTCRay* ray, RTCFilterFunctionN filter) {
-    context->filter = filter;
+void init(QueryContext* context) {
+    rtcInitIntersectContext(context);
+}
+void intersect(RTCScene scene, QueryContext* context, RTCRayHit* ray) {
+    rtcIntersect1(scene, context, ray);
+}
+void occluded(RTCScene scene, QueryContext* context, RTCRay* ray) {
     rtcOccluded1(scene, context, ray);
 }
-
-void init(QueryContext* context) { rtcInitIntersectContext(context); }
 #endif
 
-struct ShadowQuery {
-    QueryContext context;  // first: Embree hands this address to the filters
-    SurfaceId source;
-    glm::vec3 transmittance;
-};
-
-/// What Embree's filters need of a geometry that light may pass.
+/// A mesh with a filter: light may pass it, or it has triangles so large that Embree's word is checked.
 struct FilteredMesh {
     const Scene* scene;
     const Mesh* mesh;
+    bool huge;
+
+    [[nodiscard]] const Material& material() const { return scene->materials[mesh->material]; }
 };
 
-void cut_masked(const RTCFilterFunctionNArguments* args) {
-    const auto& filtered = *static_cast<const FilteredMesh*>(args->geometryUserPtr);
-    const glm::vec2 barycentric(RTCHitN_u(args->hit, 1, 0), RTCHitN_v(args->hit, 1, 0));
-    const std::uint32_t triangle = RTCHitN_primID(args->hit, 1, 0);
-    if (alpha_at(*filtered.scene, *filtered.mesh, triangle, barycentric) == 0) args->valid[0] = 0;
-}
+/// A hit as a filter sees it. Embree asks for one ray at a time here.
+struct Candidate {
+    const FilteredMesh& mesh;
+    SurfaceId id;
+    float distance;
+    glm::vec2 barycentric;
+    glm::vec3 origin, direction, normal;  // in the mesh's own space; normal of any length
 
-bool is_source(const RTCFilterFunctionNArguments* args, const SurfaceId& source) {
-    return RTCHitN_primID(args->hit, 1, 0) == source.triangle && RTCHitN_geomID(args->hit, 1, 0) == source.geometry &&
-           RTCHitN_instID(args->hit, 1, 0, 0) == source.instance;
-}
+    explicit Candidate(const RTCFilterFunctionNArguments* args)
+        : mesh(*static_cast<const FilteredMesh*>(args->geometryUserPtr)),
+          id{RTCHitN_instID(args->hit, 1, 0, 0), RTCHitN_geomID(args->hit, 1, 0), RTCHitN_primID(args->hit, 1, 0)},
+          distance(RTCRayN_tfar(args->ray, 1, 0)),
+          barycentric(RTCHitN_u(args->hit, 1, 0), RTCHitN_v(args->hit, 1, 0)),
+          origin(RTCRayN_org_x(args->ray, 1, 0), RTCRayN_org_y(args->ray, 1, 0), RTCRayN_org_z(args->ray, 1, 0)),
+          direction(RTCRayN_dir_x(args->ray, 1, 0), RTCRayN_dir_y(args->ray, 1, 0), RTCRayN_dir_z(args->ray, 1, 0)),
+          normal(RTCHitN_Ng_x(args->hit, 1, 0), RTCHitN_Ng_y(args->hit, 1, 0), RTCHitN_Ng_z(args->hit, 1, 0)) {}
 
-void skip_source(const RTCFilterFunctionNArguments* args) {
-    if (is_source(args, reinterpret_cast<const ShadowQuery*>(args->context)->source)) args->valid[0] = 0;
-}
-
-void attenuate(const RTCFilterFunctionNArguments* args) {
-    auto& query = *reinterpret_cast<ShadowQuery*>(args->context);
-    if (is_source(args, query.source)) {
-        args->valid[0] = 0;
-        return;
+    /// Whether the ray really crosses the triangle's plane within max_distance, in double. Embree's own distance to a
+    /// huge triangle is off by units in the last place of its corners' coordinates: 1 cm where they are at 1e5 m.
+    [[nodiscard]] bool crosses(float max_distance) const {
+        const glm::uvec3& triangle = mesh.mesh->triangles[id.triangle];
+        const glm::dvec3 a(mesh.mesh->positions[triangle.x]);
+        const glm::dvec3 b(mesh.mesh->positions[triangle.y]);
+        const glm::dvec3 c(mesh.mesh->positions[triangle.z]);
+        const glm::dvec3 up = glm::cross(b - a, c - a);
+        const double height = glm::dot(glm::dvec3(origin) - a, up);
+        const double climb = glm::dot(glm::dvec3(direction), up);
+        return height * climb < 0 && std::abs(height) < std::abs(climb) * max_distance;
     }
-    const auto& filtered = *static_cast<const FilteredMesh*>(args->geometryUserPtr);
-    const glm::vec2 barycentric(RTCHitN_u(args->hit, 1, 0), RTCHitN_v(args->hit, 1, 0));
-    query.transmittance *=
-        passed_share(surface_at(*filtered.scene, *filtered.mesh, RTCHitN_primID(args->hit, 1, 0), barycentric));
-    if (query.transmittance != glm::vec3(0)) args->valid[0] = 0;
+
+    /// On the edge of its triangle but for rounding.
+    [[nodiscard]] bool on_edge() const {
+        return std::min({barycentric.x, barycentric.y, 1 - barycentric.x - barycentric.y}) < 0x1p-20F;
+    }
+};
+
+/// The order in which a ray meets surfaces.
+struct Depth {
+    float distance = -1;
+    SurfaceId id;
+
+    auto operator<=>(const Depth&) const = default;
+};
+
+struct ClosestQuery {
+    QueryContext context;  // first: Embree hands this address to the filters
+    float max_distance;
+    Depth behind;                                               // what came before
+    Depth nearest{std::numeric_limits<float>::infinity(), {}};  // of the surfaces that pass light
+};
+
+void filter_closest(const RTCFilterFunctionNArguments* args) {
+    const Candidate hit(args);
+    auto& query = *reinterpret_cast<ClosestQuery*>(args->context);
+    const auto accepted = [&] {
+        if (hit.mesh.huge && !hit.crosses(query.max_distance)) return false;
+        if (!hit.mesh.material().passes_light()) return true;
+        if (hit.mesh.material().alpha_mode == AlphaMode::mask &&
+            alpha_at(*hit.mesh.scene, *hit.mesh.mesh, hit.id.triangle, hit.barycentric) == 0) {
+            return false;
+        }
+        const Depth depth{hit.distance, hit.id};
+        if (depth <= query.behind || depth > query.nearest) return false;
+        query.nearest = depth;
+        return true;
+    };
+    if (!accepted()) args->valid[0] = 0;
+}
+
+/// Where a shadow ray has met the edge of a triangle. All triangles that share the edge, or the vertex, are met; the
+/// surface passes light only once.
+struct EdgePassed {
+    SurfaceId mesh;  // triangle left out
+    float distance;
+    bool front;
+};
+
+struct ShadowQuery {
+    static constexpr std::size_t most_edges = 8;
+
+    QueryContext context;  // first: Embree hands this address to the filters
+    float max_distance;
+    glm::vec3 transmittance{1};
+    std::array<EdgePassed, most_edges> edges;
+    std::size_t edge_count = 0;
+
+    [[nodiscard]] bool has_passed(const Candidate& hit) {
+        const EdgePassed here{
+            {hit.id.instance, hit.id.geometry}, hit.distance, glm::dot(hit.direction, hit.normal) < 0};
+        for (std::size_t i = 0; i < edge_count; ++i) {
+            if (edges[i].mesh == here.mesh && edges[i].front == here.front &&
+                std::abs(edges[i].distance - here.distance) <= 0x1p-16F * here.distance) {
+                return true;
+            }
+        }
+        if (edge_count < most_edges) edges[edge_count++] = here;
+        return false;
+    }
+};
+
+void filter_shadow(const RTCFilterFunctionNArguments* args) {
+    const Candidate hit(args);
+    auto& query = *reinterpret_cast<ShadowQuery*>(args->context);
+    const auto blocks = [&] {
+        if (hit.mesh.huge && !hit.crosses(query.max_distance)) return false;
+        if (!hit.mesh.material().passes_light()) return true;
+        if (hit.on_edge() && query.has_passed(hit)) return false;
+        query.transmittance *=
+            passed_share(surface_at(*hit.mesh.scene, *hit.mesh.mesh, hit.id.triangle, hit.barycentric));
+        return query.transmittance == glm::vec3(0);
+    };
+    if (!blocks()) args->valid[0] = 0;
 }
 
 struct DeviceDeleter {
@@ -132,25 +215,43 @@ Tracer::Corners corners_of(const Mesh& mesh, std::uint32_t triangle, const Insta
             instance->mirrored};
 }
 
-/// Triangles larger than this many times the median take their ray offset from that bound, and shadow rays that start on
-/// them are told to ignore them: Embree's rounding there grows with the triangle and would exceed small neighbours.
+/// Triangles larger than this many times the median are huge: Embree's rounding at them would exceed small neighbours,
+/// so that rays cannot start beyond it; they are checked in double instead.
 constexpr float extent_limit_in_medians = 1024;
 
-/// The largest extent along an axis of every triangle in the level, as placed.
-std::vector<float> triangle_extents(const Scene& scene) {
-    std::vector<float> extents;
-    const auto add = [&](int mesh_index, const Instance* instance) {
+float extent_of(const Tracer::Corners& t) {
+    return largest(glm::max(glm::max(t.a, t.b), t.c) - glm::min(glm::min(t.a, t.b), t.c));
+}
+
+/// Calls what(mesh index, extent along an axis) for every triangle in the level, as placed.
+template <typename What>
+void for_each_extent(const Scene& scene, What what) {
+    const auto visit = [&](int mesh_index, const Instance* instance) {
         const Mesh& mesh = scene.meshes[mesh_index];
         for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-            const auto [a, b, c, mirrored] = corners_of(mesh, i, instance);
-            extents.push_back(largest(glm::max(glm::max(a, b), c) - glm::min(glm::min(a, b), c)));
+            what(mesh_index, extent_of(corners_of(mesh, i, instance)));
         }
     };
-    for (const int mesh : scene.placed) add(mesh, nullptr);
+    for (const int mesh : scene.placed) visit(mesh, nullptr);
     for (const Instance& instance : scene.instances) {
-        for (const int mesh : scene.models[instance.model].meshes) add(mesh, &instance);
+        for (const int mesh : scene.models[instance.model].meshes) visit(mesh, &instance);
     }
-    return extents;
+}
+
+/// The point with these weights of b and c, moved by about `distance` where an edge is nearer than that: in a corner, a
+/// ray must not start within the rounding of the next wall. Slivers have no such place and stay.
+glm::dvec3 off_edges(const Tracer::Corners& t, glm::dvec2 weight, double doubled_area, double distance) {
+    glm::dvec3 weights(1 - weight.x - weight.y, weight);
+    const glm::dvec3 edges(glm::distance(t.b, t.c), glm::distance(t.c, t.a), glm::distance(t.a, t.b));
+    if (3 * distance * std::max({edges.x, edges.y, edges.z}) < doubled_area) {
+        weights = glm::max(weights, edges * (distance / doubled_area));  // heights over the edges are area / edge
+        weights /= weights.x + weights.y + weights.z;
+    }
+    return t.a + weights.y * (t.b - t.a) + weights.z * (t.c - t.a);
+}
+
+glm::dmat3 absolute(const glm::dmat3& m) {
+    return {glm::abs(m[0]), glm::abs(m[1]), glm::abs(m[2])};
 }
 
 float median(std::vector<float> values) {
@@ -169,8 +270,7 @@ struct Tracer::Impl {
     std::vector<EmbreeScene> models;
     EmbreeScene root;
     std::size_t triangles = 0;
-    float extent_limit = 0;
-    bool has_huge_triangles = false;  // beyond extent_limit
+    float extent_limit = 0;  // beyond: huge
 
     [[nodiscard]] const Instance* instance(const SurfaceId& id) const {
         return id.instance == SurfaceId::none ? nullptr : &scene->instances[id.instance - scene->placed.size()];
@@ -183,8 +283,7 @@ struct Tracer::Impl {
 
     EmbreeScene new_scene() const {
         EmbreeScene result(rtcNewScene(device.get()));
-        rtcSetSceneFlags(result.get(), has_huge_triangles ? RTC_SCENE_FLAG_ROBUST | query_filter_flag
-                                                          : RTC_SCENE_FLAG_ROBUST);
+        rtcSetSceneFlags(result.get(), RTC_SCENE_FLAG_ROBUST);
         rtcSetSceneBuildQuality(result.get(), RTC_BUILD_QUALITY_MEDIUM);
         return result;
     }
@@ -196,11 +295,11 @@ struct Tracer::Impl {
                                    sizeof(glm::vec3), source.positions.size());
         rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, source.triangles.data(), 0,
                                    sizeof(glm::uvec3), source.triangles.size());
-        const Material& material = scene->materials[source.material];
-        if (material.passes_light()) {
-            rtcSetGeometryUserData(geometry, &meshes[mesh_index]);
-            rtcSetGeometryOccludedFilterFunction(geometry, attenuate);
-            if (material.alpha_mode == AlphaMode::mask) rtcSetGeometryIntersectFilterFunction(geometry, cut_masked);
+        FilteredMesh& filtered = meshes[mesh_index];
+        if (filtered.huge || filtered.material().passes_light()) {
+            rtcSetGeometryUserData(geometry, &filtered);
+            rtcSetGeometryIntersectFilterFunction(geometry, filter_closest);
+            rtcSetGeometryOccludedFilterFunction(geometry, filter_shadow);
         }
         rtcCommitGeometry(geometry);
         rtcAttachGeometryByID(target, geometry, id);
@@ -217,13 +316,15 @@ Tracer::Tracer(const Scene& scene) : impl_(std::make_unique<Impl>()) {
         if (mesh.positions.capacity() <= mesh.positions.size()) {
             throw Error("mesh \"" + mesh.name + "\" has no room behind its last vertex", scene.name, "", Fault::work);
         }
-        impl_->meshes.push_back({&scene, &mesh});
+        impl_->meshes.push_back({&scene, &mesh, false});
     }
-    const std::vector<float> extents = triangle_extents(scene);
+    std::vector<float> extents;
+    for_each_extent(scene, [&](int, float extent) { extents.push_back(extent); });
     impl_->triangles = extents.size();
-    impl_->extent_limit = extent_limit_in_medians * median(extents);
-    impl_->has_huge_triangles =
-        std::any_of(extents.begin(), extents.end(), [&](float e) { return e > impl_->extent_limit; });
+    impl_->extent_limit = extent_limit_in_medians * median(std::move(extents));
+    for_each_extent(scene, [&](int mesh, float extent) {
+        if (extent > impl_->extent_limit) impl_->meshes[mesh].huge = true;
+    });
 
     for (const Model& model : scene.models) {
         impl_->models.push_back(impl_->new_scene());
@@ -251,29 +352,36 @@ Tracer::~Tracer() = default;
 Tracer::Tracer(Tracer&&) noexcept = default;
 Tracer& Tracer::operator=(Tracer&&) noexcept = default;
 
-const Scene& Tracer::scene() const noexcept { return *impl_->scene; }
-std::size_t Tracer::triangle_count() const noexcept { return impl_->triangles; }
-const Mesh& Tracer::mesh(SurfaceId id) const noexcept { return impl_->mesh(id); }
+const Scene& Tracer::scene() const noexcept {
+    return *impl_->scene;
+}
+std::size_t Tracer::triangle_count() const noexcept {
+    return impl_->triangles;
+}
+const Mesh& Tracer::mesh(SurfaceId id) const noexcept {
+    return impl_->mesh(id);
+}
 
 Tracer::Corners Tracer::corners(SurfaceId id) const noexcept {
     return corners_of(impl_->mesh(id), id.triangle, impl_->instance(id));
 }
 
-Hit Tracer::closest_hit(glm::vec3 origin, glm::vec3 direction, SurfaceId source, float max_distance) const noexcept {
-    QueryContext context;
-    init(&context);
-    RTCRayHit query;
-    query.ray = {origin.x, origin.y, origin.z, 0, direction.x, direction.y, direction.z, 0, max_distance, ~0U, 0, 0};
-    while (true) {
-        query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-        query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-        intersect(impl_->root.get(), &context, &query);
-        if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
-        const SurfaceId id{query.hit.instID[0], query.hit.geomID, query.hit.primID};
-        if (id != source) return {id, query.ray.tfar, {query.hit.u, query.hit.v}};
-        query.ray.tnear = std::nextafter(query.ray.tfar, std::numeric_limits<float>::infinity());
-        query.ray.tfar = max_distance;
+Hit Tracer::closest_hit(glm::vec3 origin, glm::vec3 direction, float max_distance, const Hit& behind) const noexcept {
+    ClosestQuery query;
+    init(&query.context);
+    query.max_distance = max_distance;
+    float start = 0;
+    if (behind.found()) {
+        query.behind = {behind.distance, behind.id};
+        start = std::nextafter(behind.distance, 0.0F);  // what is opaque and coincides comes next
     }
+    RTCRayHit ray;
+    ray.ray = {origin.x, origin.y, origin.z, start, direction.x, direction.y, direction.z, 0, max_distance, ~0U, 0, 0};
+    ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    intersect(impl_->root.get(), &query.context, &ray);
+    if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
+    return {{ray.hit.instID[0], ray.hit.geomID, ray.hit.primID}, ray.ray.tfar, {ray.hit.u, ray.hit.v}};
 }
 
 Surface Tracer::surface(const Hit& hit, glm::vec3 direction) const noexcept {
@@ -282,31 +390,40 @@ Surface Tracer::surface(const Hit& hit, glm::vec3 direction) const noexcept {
     const auto [a, b, c, mirrored] = corners_of(mesh, hit.id.triangle, instance);
     const glm::dvec2 weight(hit.barycentric);
     const glm::dvec3 position = a + weight.x * (b - a) + weight.y * (c - a);
-    glm::dvec3 normal = glm::normalize(glm::cross(b - a, c - a));
+    const glm::dvec3 cross = glm::cross(b - a, c - a);
+    const double doubled_area = glm::length(cross);
+    glm::dvec3 normal = cross / doubled_area;
     if (mirrored) normal = -normal;
+    // No area is left in double where rounding let Embree meet it: such a triangle faces the ray.
+    if (!(doubled_area > 0)) normal = -glm::normalize(glm::dvec3(direction));
 
     Surface surface;
     surface.mesh = &mesh;
-    surface.position = glm::vec3(position);
     surface.normal = glm::vec3(normal);
     surface.front = glm::dot(direction, surface.normal) < 0;
-    // Rounding of the position (half a unit in the last place of its coordinates) and of Embree's own distance to the
-    // triangle (units of the triangle's extent; an instance's rays are rounded in its own space).
-    const double extent = std::min<double>(
-        std::max({largest(a - position), largest(b - position), largest(c - position)}), impl_->extent_limit);
-    const double frame = instance == nullptr ? 0.0 : largest(glm::dvec3(instance->to_level[3]));
-    surface.offset = static_cast<float>((largest(position) + extent + frame) * 0x1p-22);
+    // Rounding of the position, half a unit in the last place of its coordinates, and of Embree's own distance to the
+    // triangle, some units of its extent. The rays of an instance are rounded in its own space, where they are sums of
+    // these terms; what that is along the normal counts.
+    double rounding = largest(position) +
+                      std::min<double>(std::max({largest(a - position), largest(b - position), largest(c - position)}),
+                                       impl_->extent_limit);
+    if (instance != nullptr) {
+        const glm::mat4x3& m = instance->to_level;
+        const auto axes = glm::dmat3{glm::dvec3(m[0]), glm::dvec3(m[1]), glm::dvec3(m[2])};
+        const glm::dvec3 terms = absolute(glm::inverse(axes)) * (glm::abs(position) + glm::abs(glm::dvec3(m[3])));
+        rounding += glm::dot(glm::abs(normal * axes), terms);
+    }
+    surface.offset = static_cast<float>(rounding * 0x1p-22);
+    surface.position = glm::vec3(off_edges({a, b, c, mirrored}, weight, doubled_area, surface.offset));
     return surface;
 }
 
-glm::vec3 Tracer::transmittance(glm::vec3 origin, glm::vec3 direction, float max_distance,
-                                SurfaceId source) const noexcept {
+glm::vec3 Tracer::transmittance(glm::vec3 origin, glm::vec3 direction, float max_distance) const noexcept {
     ShadowQuery query;
     init(&query.context);
-    query.source = source;
-    query.transmittance = glm::vec3(1);
+    query.max_distance = max_distance;
     RTCRay ray{origin.x, origin.y, origin.z, 0, direction.x, direction.y, direction.z, 0, max_distance, ~0U, 0, 0};
-    occluded(impl_->root.get(), &query.context, &ray, impl_->has_huge_triangles ? skip_source : nullptr);
+    occluded(impl_->root.get(), &query.context, &ray);
     return ray.tfar < 0 ? glm::vec3(0) : query.transmittance;
 }
 

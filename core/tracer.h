@@ -1,12 +1,13 @@
 #pragma once
 
+#include "core/scene.h"
+
+#include <glm/glm.hpp>
+
 #include <compare>
 #include <cstdint>
-#include <glm/glm.hpp>
 #include <limits>
 #include <memory>
-
-#include "core/scene.h"
 
 /// Rays against the level, relative to Scene::origin. The one place that knows Embree is tracer.cpp.
 namespace lightgrid {
@@ -36,7 +37,7 @@ struct Surface {
     glm::vec3 position{0};  // on the triangle's plane to half a unit in the last place: interpolated in double
     glm::vec3 normal{0};    // geometric, unit length, out of the front (counter-clockwise) side
     bool front = false;     // the ray came from the front side
-    float offset = 0;       // how far a new ray must start off the plane
+    float offset = 0;       // how far off the plane a new ray starts, so that rounding cannot make it meet the triangle
 
     /// Where a ray that leaves on the side that `direction` points to starts.
     [[nodiscard]] glm::vec3 leave(glm::vec3 direction) const {
@@ -59,21 +60,23 @@ class Tracer {
     [[nodiscard]] std::size_t triangle_count() const noexcept;  // instances counted each
 
     /// First surface along the ray that MASK does not cut away. BLEND and transmitting surfaces are hits: what passes
-    /// them is for the caller to decide.
+    /// them is for the caller to decide, who goes on with `behind`.
     ///
-    /// direction  any length; distances are in units of it
-    /// source     the triangle that the ray starts on, which a straight ray cannot meet again
-    [[nodiscard]] Hit closest_hit(glm::vec3 origin, glm::vec3 direction, SurfaceId source = {},
-                                  float max_distance = std::numeric_limits<float>::infinity()) const noexcept;
+    /// direction  any length but 0; distances are in units of it
+    /// behind     an earlier hit of the same ray, on a surface that passes light: only what comes after it is found.
+    ///            Coincident surfaces that pass light come one after the other, by SurfaceId.
+    [[nodiscard]] Hit closest_hit(glm::vec3 origin, glm::vec3 direction,
+                                  float max_distance = std::numeric_limits<float>::infinity(),
+                                  const Hit& behind = {}) const noexcept;
 
     [[nodiscard]] Surface surface(const Hit& hit, glm::vec3 direction) const noexcept;
 
     /// Share of light, by colour, that gets from `origin` to origin + max_distance * direction: 0 behind an opaque
     /// surface, the product of what BLEND and transmission let pass else.
-    [[nodiscard]] glm::vec3 transmittance(glm::vec3 origin, glm::vec3 direction, float max_distance,
-                                          SurfaceId source = {}) const noexcept;
+    [[nodiscard]] glm::vec3 transmittance(glm::vec3 origin, glm::vec3 direction, float max_distance) const noexcept;
 
-    /// Corners of a triangle, relative to Scene::origin, in winding order as stored; `mirrored` instances are clockwise.
+    /// Corners of a triangle, relative to Scene::origin, in winding order as stored; `mirrored` instances are
+    /// clockwise.
     struct Corners {
         glm::dvec3 a, b, c;
         bool mirrored;
@@ -87,7 +90,8 @@ class Tracer {
 };
 
 /// What a surface does to light that meets it: shares by colour that pass straight on and that are reflected.
-/// BLEND: reflects times alpha, passes 1 - alpha untinted; transmission t: reflects times 1 - t, passes t x base colour.
+/// BLEND: reflects times alpha, passes 1 - alpha untinted; transmission t: reflects times 1 - t, passes t x base
+/// colour.
 [[nodiscard]] inline glm::vec3 passed_share(const SurfacePoint& point) {
     return glm::vec3(1 - point.alpha) + point.alpha * point.transmission * point.tint;
 }

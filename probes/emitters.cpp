@@ -1,6 +1,9 @@
 #include "probes/emitters.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <compare>
 
 namespace lightgrid {
 namespace {
@@ -10,7 +13,8 @@ constexpr int power_samples = 16;
 
 float mean_emission(const Scene& scene, const Mesh& mesh, std::uint32_t triangle) {
     const Material& material = scene.materials[mesh.material];
-    const int samples = material.emission_texture.used() || material.alpha_mode != AlphaMode::opaque ? power_samples : 1;
+    const int samples =
+        material.emission_texture.used() || material.alpha_mode != AlphaMode::opaque ? power_samples : 1;
     double sum = 0;
     for (int i = 0; i < samples; ++i) {
         const glm::vec2 where = triangle_point(sobol_point(static_cast<std::uint32_t>(i), 0));
@@ -20,8 +24,20 @@ float mean_emission(const Scene& scene, const Mesh& mesh, std::uint32_t triangle
     return static_cast<float>(sum / samples);
 }
 
-double double_area(const Tracer::Corners& corners) {
-    return glm::length(glm::cross(corners.b - corners.a, corners.c - corners.a));
+/// Twice the area, along the normal of the front side.
+glm::dvec3 double_area(const Tracer::Corners& corners) {
+    const glm::dvec3 cross = glm::cross(corners.b - corners.a, corners.c - corners.a);
+    return corners.mirrored ? -cross : cross;
+}
+
+/// The same for triangles whose corners are the same, whatever their order.
+std::array<double, 9> corner_key(const Tracer::Corners& t) {
+    std::array<std::array<double, 3>, 3> corners = {
+        {{t.a.x, t.a.y, t.a.z}, {t.b.x, t.b.y, t.b.z}, {t.c.x, t.c.y, t.c.z}}};
+    std::sort(corners.begin(), corners.end());
+    std::array<double, 9> key;
+    for (std::size_t i = 0; i < key.size(); ++i) key[i] = corners[i / 3][i % 3];
+    return key;
 }
 
 }  // namespace
@@ -38,8 +54,8 @@ Emitters::Emitters(const Tracer& tracer) : tracer_(&tracer) {
             first[geometry] = static_cast<std::uint32_t>(triangles_.size());
             for (std::uint32_t triangle = 0; triangle < mesh.triangles.size(); ++triangle) {
                 const SurfaceId id{instance, geometry, triangle};
-                const double area = 0.5 * double_area(tracer.corners(id));
-                triangles_.push_back({id, area});
+                const double area = 0.5 * glm::length(double_area(tracer.corners(id)));
+                triangles_.push_back({id, area, material.double_sided, static_cast<std::uint32_t>(triangles_.size())});
                 power.push_back(area * mean_emission(scene, mesh, triangle) * (material.double_sided ? 2 : 1));
             }
         }
@@ -48,16 +64,63 @@ Emitters::Emitters(const Tracer& tracer) : tracer_(&tracer) {
     for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
         add(scene.models[scene.instances[i].model].meshes, static_cast<std::uint32_t>(scene.placed.size()) + i);
     }
+    merge_coincident(power);
     table_ = AliasTable(power);
+}
+
+void Emitters::merge_coincident(std::span<double> power) {
+    struct Place {
+        int material;
+        std::array<double, 9> corners;
+        std::uint32_t index;
+
+        auto operator<=>(const Place&) const = default;
+    };
+    std::vector<Place> places;
+    places.reserve(triangles_.size());
+    for (std::uint32_t i = 0; i < triangles_.size(); ++i) {
+        const SurfaceId& id = triangles_[i].id;
+        places.push_back({tracer_->mesh(id).material, corner_key(tracer_->corners(id)), i});
+    }
+    std::sort(places.begin(), places.end());
+    for (std::size_t begin = 0, end = 0; begin < places.size(); begin = end) {
+        const auto same = [&](const Place& p) {
+            return p.material == places[begin].material && p.corners == places[begin].corners;
+        };
+        Triangle& sampled = triangles_[places[begin].index];
+        for (end = begin + 1; end < places.size() && same(places[end]); ++end) {
+            Triangle& other = triangles_[places[end].index];
+            const bool opposite =
+                glm::dot(double_area(tracer_->corners(sampled.id)), double_area(tracer_->corners(other.id))) < 0;
+            if (opposite && !sampled.both_sides) {
+                sampled.both_sides = true;
+                power[places[begin].index] *= 2;
+            }
+            power[places[end].index] = 0;
+            other.sampled_as = places[begin].index;
+        }
+        for (std::size_t i = begin + 1; i < end; ++i) triangles_[places[i].index].both_sides = sampled.both_sides;
+    }
+}
+
+std::uint32_t Emitters::index_of(const SurfaceId& id) const noexcept {
+    const std::size_t placed = tracer_->scene().placed.size();
+    const std::uint32_t first = first_[id.instance == SurfaceId::none ? 0 : 1 + id.instance - placed][id.geometry];
+    return first == SurfaceId::none ? SurfaceId::none : first + id.triangle;
+}
+
+bool Emitters::emits(const Hit& hit, bool front) const noexcept {
+    const std::uint32_t index = index_of(hit.id);
+    return index != SurfaceId::none && (front || triangles_[index].both_sides);
 }
 
 float Emitters::pdf_by_area(std::uint32_t index) const noexcept {
     return static_cast<float>(table_.probability(index) / triangles_[index].area);
 }
 
-Emitters::Sample Emitters::sample(glm::vec3 receiver, glm::vec3 u) const noexcept {
-    const std::uint32_t index = table_.sample(u.x);
-    const glm::vec2 barycentric = triangle_point({u.y, u.z});
+Emitters::Sample Emitters::sample(glm::vec3 receiver, double pick, glm::vec2 where) const noexcept {
+    const std::uint32_t index = table_.sample(pick);
+    const glm::vec2 barycentric = triangle_point(where);
     const Hit hit{triangles_[index].id, 0, barycentric};
     Surface surface = tracer_->surface(hit, glm::vec3(0));
     const glm::vec3 to_emitter = surface.position - receiver;
@@ -65,13 +128,12 @@ Emitters::Sample Emitters::sample(glm::vec3 receiver, glm::vec3 u) const noexcep
     const float cosine = -glm::dot(to_emitter, surface.normal) / std::sqrt(distance_squared);
     if (cosine == 0 || !(distance_squared > 0)) return {};
 
-    const Material& material = tracer_->scene().materials[surface.mesh->material];
     Sample sample;
     sample.id = hit.id;
     surface.offset += std::sqrt(distance_squared) * 0x1p-20F;  // Embree's rounding at the far end grows with the ray
     sample.position = surface.leave(-to_emitter);
     sample.pdf = pdf_by_area(index) * distance_squared / std::abs(cosine);
-    if (cosine > 0 || material.double_sided) {
+    if (cosine > 0 || triangles_[index].both_sides) {
         const SurfacePoint point = surface_at(tracer_->scene(), *surface.mesh, hit.id.triangle, barycentric);
         sample.radiance = point.alpha * point.emission;
     }
@@ -80,15 +142,12 @@ Emitters::Sample Emitters::sample(glm::vec3 receiver, glm::vec3 u) const noexcep
 
 float Emitters::pdf(glm::vec3 receiver, const Hit& hit, const Surface& surface) const noexcept {
     if (empty()) return 0;
-    const std::size_t list = hit.id.instance == SurfaceId::none
-                                 ? 0
-                                 : 1 + hit.id.instance - tracer_->scene().placed.size();
-    const std::uint32_t first = first_[list][hit.id.geometry];
-    if (first == SurfaceId::none) return 0;
+    const std::uint32_t index = index_of(hit.id);
+    if (index == SurfaceId::none) return 0;
     const glm::vec3 to_emitter = surface.position - receiver;
     const float distance_squared = glm::dot(to_emitter, to_emitter);
     const float cosine = std::abs(glm::dot(to_emitter, surface.normal)) / std::sqrt(distance_squared);
-    return cosine > 0 ? pdf_by_area(first + hit.id.triangle) * distance_squared / cosine : 0.0F;
+    return cosine > 0 ? pdf_by_area(triangles_[index].sampled_as) * distance_squared / cosine : 0.0F;
 }
 
 }  // namespace lightgrid

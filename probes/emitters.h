@@ -1,14 +1,18 @@
 #pragma once
 
-#include <glm/glm.hpp>
-#include <vector>
-
 #include "core/sampling.h"
 #include "core/tracer.h"
 
+#include <glm/glm.hpp>
+
+#include <span>
+#include <vector>
+
 namespace lightgrid {
 
-/// All emitting triangles of a level, to be sampled in proportion to their power.
+/// All emitting triangles of a level, to be sampled in proportion to their power. Of triangles of one material that
+/// coincide one is sampled for all, so that doubled geometry shines once, and from both sides where they face both
+/// ways.
 class Emitters {
   public:
     struct Sample {
@@ -23,8 +27,10 @@ class Emitters {
     [[nodiscard]] bool empty() const noexcept { return table_.empty(); }
     [[nodiscard]] std::size_t size() const noexcept { return triangles_.size(); }
 
-    /// A point on an emitter, as seen from `receiver`. u: three numbers in [0, 1), the first picks the triangle.
-    [[nodiscard]] Sample sample(glm::vec3 receiver, glm::vec3 u) const noexcept;
+    /// A point on an emitter, as seen from `receiver`. Both in [0, 1): `pick` chooses the triangle, `where` the place.
+    [[nodiscard]] Sample sample(glm::vec3 receiver, double pick, glm::vec2 where) const noexcept;
+    /// Whether the side of an emitting triangle that a ray met emits.
+    [[nodiscard]] bool emits(const Hit& hit, bool front) const noexcept;
     /// Density of `sample` for the point that a ray from `receiver` met, per steradian.
     [[nodiscard]] float pdf(glm::vec3 receiver, const Hit& hit, const Surface& surface) const noexcept;
 
@@ -32,8 +38,12 @@ class Emitters {
     struct Triangle {
         SurfaceId id;
         double area;
+        bool both_sides;
+        std::uint32_t sampled_as;  // index of the one that is sampled for all that coincide
     };
 
+    void merge_coincident(std::span<double> power);
+    [[nodiscard]] std::uint32_t index_of(const SurfaceId& id) const noexcept;
     [[nodiscard]] float pdf_by_area(std::uint32_t index) const noexcept;
 
     const Tracer* tracer_;

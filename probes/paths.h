@@ -1,29 +1,30 @@
 #pragma once
 
-#include <cstdint>
-#include <glm/glm.hpp>
-#include <span>
-#include <vector>
-
 #include "core/environment.h"
 #include "core/sampling.h"
 #include "core/tracer.h"
 #include "probes/emitters.h"
 
+#include <glm/glm.hpp>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
 /// The unbiased estimator of light: next-event estimation, multiple importance sampling, Russian roulette.
 namespace lightgrid {
 
-/// A part of the light at a point: an integral of radiance times f over all directions is the sum of radiance * f(direction)
-/// over the samples of a gather; `radiance` has been divided by density and sample count.
+/// A part of the light at a point: an integral of radiance times f over all directions is the sum of radiance *
+/// f(direction) over the samples of a gather; `radiance` has been divided by density and sample count.
 struct LightSample {
     glm::vec3 direction{0};  // towards where the light comes from, unit length
     glm::vec3 radiance{0};   // cd/m^2 sr
 };
 
 struct PathCounts {
-    std::uint64_t rays = 0;         // closest-hit
+    std::uint64_t rays = 0;  // closest-hit
     std::uint64_t shadow_rays = 0;
-    std::uint64_t dropped = 0;      // samples that were not finite, counted as black
+    std::uint64_t dropped = 0;  // samples that were not finite, counted as black
 
     PathCounts& operator+=(const PathCounts& other) {
         rays += other.rays;
@@ -52,8 +53,8 @@ class PathTracer {
     [[nodiscard]] const Estimators& estimators() const noexcept { return use_; }
     [[nodiscard]] const Emitters& emitters() const noexcept { return emitters_; }
 
-    /// All light that arrives at `point` (relative to Scene::origin) but that which comes straight from punctual lights,
-    /// by gather rays along `even`, each continued as a path, and as many samples of emitters and environment.
+    /// All light that arrives at `point` (relative to Scene::origin) but that which comes straight from punctual
+    /// lights, by gather rays along `even`, each continued as a path, and as many samples of emitters and environment.
     ///
     /// key           picks the random numbers: one per (seed, probe, replicate)
     /// even          at least one direction, spread evenly over the sphere; the whole set is turned at random
@@ -71,9 +72,9 @@ class PathTracer {
     struct Vertex;
     class Dimensions;
 
-    [[nodiscard]] LightSample from_emitters(const Vertex& vertex, glm::vec3 u, PathCounts& counts) const;
-    [[nodiscard]] LightSample from_environment(const Vertex& vertex, glm::vec3 u, PathCounts& counts) const;
-    [[nodiscard]] LightSample from_lights(const Vertex& vertex, float u, PathCounts& counts) const;
+    [[nodiscard]] LightSample from_emitters(const Vertex& vertex, Dimensions& dimensions, PathCounts& counts) const;
+    [[nodiscard]] LightSample from_environment(const Vertex& vertex, Dimensions& dimensions, PathCounts& counts) const;
+    [[nodiscard]] LightSample from_lights(const Vertex& vertex, Dimensions& dimensions, PathCounts& counts) const;
     [[nodiscard]] glm::vec3 radiance_along(glm::vec3 origin, glm::vec3 direction, Dimensions& dimensions,
                                            PathCounts& counts, std::uint32_t most_bounces) const;
 
@@ -88,7 +89,7 @@ class PathTracer {
 struct PunctualLight {
     glm::vec3 direction{0};  // towards the light
     glm::vec3 irradiance{0};
-    float distance = 0;
+    float free_distance = 0;  // towards it, that has to be free of surfaces
 };
 [[nodiscard]] PunctualLight punctual_light_at(const Light& light, glm::vec3 point) noexcept;
 

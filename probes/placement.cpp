@@ -75,7 +75,7 @@ bool touches(const Tracer& tracer, glm::vec3 point, float clearance) {
         {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.58F, 0.58F, 0.58F}, {-0.58F, 0.58F, 0.58F}, {0.58F, -0.58F, 0.58F},
          {0.58F, 0.58F, -0.58F}}};
     return std::any_of(lines.begin(), lines.end(), [&](glm::vec3 line) {
-        return tracer.closest_hit(point - clearance * line, 2 * clearance * line, {}, 1).found();
+        return tracer.closest_hit(point - clearance * line, 2 * clearance * line, 1).found();
     });
 }
 
@@ -109,15 +109,13 @@ bool reaches(const Tracer& tracer, glm::vec3 from, glm::vec3 to) {
     constexpr int most_layers = 16;
     const glm::vec3 direction = to - from;
     glm::vec3 origin = from;
-    SurfaceId source;
     float left = 1;
     for (int layer = 0; layer < most_layers; ++layer) {
-        const Hit hit = tracer.closest_hit(origin, direction, source, left);
+        const Hit hit = tracer.closest_hit(origin, direction, left);
         if (!hit.found()) return true;
         const Surface surface = tracer.surface(hit, direction);
         if (surface.front) return false;
         origin = surface.leave(direction);
-        source = hit.id;
         left -= hit.distance;
         if (left <= 0) return true;
     }
