@@ -44,7 +44,8 @@ CellPoint nearest_in(const Grid& grid, glm::dvec3 position) noexcept {
         double inside = exact > 0 ? std::min(exact, last) : 0;  // 0 as well for what is no number
         const double beyond = std::abs(exact - inside);
         if (!(beyond <= slack)) result.squared_distance += beyond * spacing * (beyond * spacing);
-        const double nearest = static_cast<int>(inside + 0.5);
+        const double below = static_cast<int>(inside);
+        const double nearest = inside - below < 0.5 ? below : below + 1;
         if (std::abs(inside - nearest) <= slack) inside = nearest;
         result.lower[axis] = static_cast<int>(inside);
         result.share[axis] = inside - result.lower[axis];

@@ -112,9 +112,11 @@ class SlotTable {
         const glm::ivec3 brick = probe / brick_size;
         const glm::ivec3 inside = probe - brick * brick_size;
         const std::size_t row = static_cast<std::size_t>(brick.z) * table.size.y + brick.y;
+        const std::ptrdiff_t probe_of_brick =
+            (inside.z * std::ptrdiff_t{brick_size} + inside.y) * brick_size + inside.x;
         const std::int32_t found = table.bricks[row * table.size.x + brick.x];
         if (found < 0) return none;
-        return std::ptrdiff_t{found} * probes_per_brick + (inside.z * brick_size + inside.y) * brick_size + inside.x;
+        return std::ptrdiff_t{found} * probes_per_brick + probe_of_brick;
     }
 
   private:

@@ -19,7 +19,7 @@ char* address(float& value) {
 }
 
 // One colour per slot: value `index` of the `per_slot` that each slot has.
-void add_colour(std::vector<Channel>& channels, const std::string& name, Imf::PixelType type, bool grey,
+void add_colour(std::vector<ProbeChannel>& channels, const std::string& name, Imf::PixelType type, bool grey,
                 std::vector<glm::vec3>& values, std::size_t per_slot, std::size_t index) {
     const std::size_t stride = per_slot * sizeof(glm::vec3);
     if (grey) {
@@ -31,9 +31,9 @@ void add_colour(std::vector<Channel>& channels, const std::string& name, Imf::Pi
     }
 }
 
-std::vector<Channel> sh_channels(const char* prefix, const Volume& volume, Stored stored,
-                                 std::vector<glm::vec3>& values) {
-    std::vector<Channel> channels;
+std::vector<ProbeChannel> sh_channels(const char* prefix, const Volume& volume, Stored stored,
+                                      std::vector<glm::vec3>& values) {
+    std::vector<ProbeChannel> channels;
     const Imf::PixelType type = volume.half ? Imf::HALF : Imf::FLOAT;
     for (int i = 0; i < sh_size(stored.bands); ++i) {
         add_colour(channels, fmt::format("{}{}", prefix, i), type, stored.grey, values, volume.sh_size(), i);
@@ -58,12 +58,12 @@ Layout layout_for(std::size_t tiles) {
     return {static_cast<int>(whole), static_cast<int>((tiles + whole - 1) / whole)};
 }
 
-std::vector<Channel> light_channels(Volume& volume, Stored stored) {
+std::vector<ProbeChannel> light_channels(Volume& volume, Stored stored) {
     return sh_channels("c", volume, stored, volume.coefficients);
 }
 
-std::vector<Channel> error_channels(Volume& volume, Stored stored) {
-    std::vector<Channel> channels = sh_channels("e", volume, stored, volume.errors);
+std::vector<ProbeChannel> error_channels(Volume& volume, Stored stored) {
+    std::vector<ProbeChannel> channels = sh_channels("e", volume, stored, volume.errors);
     const Imf::PixelType type = volume.half ? Imf::HALF : Imf::FLOAT;
     std::size_t axis = 0;
     for (const char* name : {"E+x", "E-x", "E+y", "E-y", "E+z", "E-z"}) {
@@ -72,15 +72,15 @@ std::vector<Channel> error_channels(Volume& volume, Stored stored) {
     return channels;
 }
 
-std::vector<Channel> offset_channels(Volume& volume) {
+std::vector<ProbeChannel> offset_channels(Volume& volume) {
     glm::vec3& first = volume.offsets.front();
     return {{"offset.x", Imf::FLOAT, address(first.x), sizeof first},
             {"offset.y", Imf::FLOAT, address(first.y), sizeof first},
             {"offset.z", Imf::FLOAT, address(first.z), sizeof first}};
 }
 
-std::vector<Channel> position_channels(Volume& volume) {
-    std::vector<Channel> channels;
+std::vector<ProbeChannel> position_channels(Volume& volume) {
+    std::vector<ProbeChannel> channels;
     char* word = reinterpret_cast<char*>(volume.list.data());
     for (const char* name : {"x.lo", "x.hi", "y.lo", "y.hi", "z.lo", "z.hi"}) {
         channels.push_back({name, Imf::UINT, word, sizeof(glm::dvec3)});
@@ -89,9 +89,9 @@ std::vector<Channel> position_channels(Volume& volume) {
     return channels;
 }
 
-TileBuffer::TileBuffer(const std::vector<Channel>& channels, bool half_as_float)
+TileBuffer::TileBuffer(const std::vector<ProbeChannel>& channels, bool half_as_float)
     : memory_(channels.size() * probes_per_brick) {
-    for (const Channel& channel : channels) {
+    for (const ProbeChannel& channel : channels) {
         const Imf::PixelType type = channel.type == Imf::HALF && half_as_float ? Imf::FLOAT : channel.type;
         const std::size_t size = type == Imf::HALF ? sizeof(std::uint16_t) : sizeof(std::uint32_t);
         char* base = reinterpret_cast<char*>(memory_.data() + planes_.size() * probes_per_brick);

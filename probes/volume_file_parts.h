@@ -52,7 +52,7 @@ struct Layout {
 
 /// A channel of a tiled part and where its numbers are in memory: four bytes at first + slot * stride, a float (HALF
 /// and FLOAT) or bits (UINT). Like Imf::Slice, it knows only writable memory; writing a file reads it.
-struct Channel {
+struct ProbeChannel {
     std::string name;
     Imf::PixelType type = Imf::FLOAT;  // in the file
     char* first = nullptr;
@@ -65,13 +65,13 @@ struct Stored {
     bool grey = false;
 };
 /// c0.R c0.G c0.B c1.R ... or c0.Y c1.Y ..., of `bands` bands in memory.
-[[nodiscard]] std::vector<Channel> light_channels(Volume& volume, Stored stored);
+[[nodiscard]] std::vector<ProbeChannel> light_channels(Volume& volume, Stored stored);
 /// The same with e for c, then the six axes of irradiance: E+x.R ...
-[[nodiscard]] std::vector<Channel> error_channels(Volume& volume, Stored stored);
+[[nodiscard]] std::vector<ProbeChannel> error_channels(Volume& volume, Stored stored);
 /// offset.x .y .z
-[[nodiscard]] std::vector<Channel> offset_channels(Volume& volume);
+[[nodiscard]] std::vector<ProbeChannel> offset_channels(Volume& volume);
 /// x.lo x.hi y.lo ...: the halves of the doubles' bits.
-[[nodiscard]] std::vector<Channel> position_channels(Volume& volume);
+[[nodiscard]] std::vector<ProbeChannel> position_channels(Volume& volume);
 
 using Scales = std::vector<float>;  // a factor per tile for HALF channels; empty: 1
 
@@ -79,7 +79,7 @@ using Scales = std::vector<float>;  // a factor per tile for HALF channels; empt
 class TileBuffer {
   public:
     /// half_as_float  HALF channels are converted on the way (OpenEXR does so when reading, not when writing)
-    TileBuffer(const std::vector<Channel>& channels, bool half_as_float);
+    TileBuffer(const std::vector<ProbeChannel>& channels, bool half_as_float);
 
     [[nodiscard]] const Imf::FrameBuffer& frame() const { return frame_; }
     /// Pixel of probe p; two bytes wide where half is not converted, else four.
@@ -95,7 +95,7 @@ class TileBuffer {
     };
     [[nodiscard]] static constexpr std::size_t pixel_of_probe(std::size_t p) {
         const glm::ivec3 probe = probe_in_brick(p);
-        return static_cast<std::size_t>(probe.y * tile_width + probe.z * brick_size + probe.x);
+        return std::size_t{tile_width} * probe.y + std::size_t{brick_size} * probe.z + probe.x;
     }
 
     std::vector<std::uint32_t> memory_;

@@ -165,7 +165,7 @@ Volume read_header(const Imf::Header& header) {
 // The tiles that the index speaks of, checked against the size of the light's part. OpenEXR has read a table of that
 // many offsets from the file by now, so that a size made up by a broken file does not get here.
 Layout read_layout(const Imf::Header& index, const Imf::Header& light) {
-    const Imath::Box2i window = index.dataWindow();
+    const Imath::Box2i& window = index.dataWindow();
     const Layout layout{window.max.x + 1, window.max.y + 1};
     const bool sane = window.min == Imath::V2i(0) && layout.columns <= std::numeric_limits<int>::max() / tile_width &&
                       layout.rows <= std::numeric_limits<int>::max() / tile_height;
@@ -217,7 +217,7 @@ std::vector<Brick> read_bricks(const Index& index, std::size_t used) {
 }
 
 // Fills the memory of `channels` for the first `slots` probes.
-void read_tiles(Imf::MultiPartInputFile& file, int part, const std::vector<Channel>& channels, Layout layout,
+void read_tiles(Imf::MultiPartInputFile& file, int part, const std::vector<ProbeChannel>& channels, Layout layout,
                 std::size_t slots, const Scales& scales = {}) {
     const Imf::Header& header = file.header(part);
     if (!header.hasTileDescription() || header.tileDescription().xSize != tile_width ||
@@ -225,7 +225,7 @@ void read_tiles(Imf::MultiPartInputFile& file, int part, const std::vector<Chann
         throw Error(fmt::format("tiles of {} x {} pixels were expected", tile_width, tile_height), in_part(header));
     }
     if (header.dataWindow() != layout.probes()) throw Error("its size does not fit the index", in_part(header));
-    for (const Channel& channel : channels) require_channel(header, channel.name, channel.type);
+    for (const ProbeChannel& channel : channels) require_channel(header, channel.name, channel.type);
 
     Imf::TiledInputPart input(file, part);
     TileBuffer tile(channels, true);
@@ -235,7 +235,7 @@ void read_tiles(Imf::MultiPartInputFile& file, int part, const std::vector<Chann
         const std::size_t first = t * probes_per_brick;
         const std::size_t count = std::min<std::size_t>(slots - first, probes_per_brick);
         for (std::size_t c = 0; c < channels.size(); ++c) {
-            const Channel& channel = channels[c];
+            const ProbeChannel& channel = channels[c];
             const bool scaled = channel.type == Imf::HALF && !scales.empty();
             for (std::size_t p = 0; p < count; ++p) {
                 char* target = channel.first + (first + p) * channel.stride;
@@ -284,7 +284,7 @@ void read_validity(Imf::MultiPartInputFile& file, Layout layout, Volume& volume)
     const int part = require_part(file, validity_part);
     const Imf::Header& header = file.header(part);
     std::vector<float> states(volume.slots());
-    std::vector<Channel> channels;
+    std::vector<ProbeChannel> channels;
     if (header.channels().findChannel("offset.x") != nullptr) {
         volume.offsets.resize(volume.slots());
         channels = offset_channels(volume);

@@ -47,7 +47,7 @@ class OutputBytes : public Imf::OStream {
 // A tiled part: its header and where its numbers are.
 struct Part {
     Imf::Header header;
-    std::vector<Channel> channels;
+    std::vector<ProbeChannel> channels;
     Scales scales;
 };
 
@@ -61,10 +61,10 @@ Imf::Header make_header(const char* name, const std::string& type, Layout layout
     return header;
 }
 
-Part make_part(const char* name, Layout layout, std::vector<Channel> channels, Scales scales = {}) {
+Part make_part(const char* name, Layout layout, std::vector<ProbeChannel> channels, Scales scales = {}) {
     Imf::Header header = make_header(name, Imf::TILEDIMAGE, layout, layout.probes());
     header.setTileDescription({tile_width, tile_height, Imf::ONE_LEVEL});
-    for (const Channel& channel : channels) header.channels().insert(channel.name, Imf::Channel(channel.type));
+    for (const ProbeChannel& channel : channels) header.channels().insert(channel.name, Imf::Channel(channel.type));
     return {std::move(header), std::move(channels), std::move(scales)};
 }
 
@@ -78,7 +78,7 @@ void write_tiles(Imf::MultiPartOutputFile& file, int number, const Part& part, L
         const float scale = part.scales.empty() ? 1.0F : part.scales[t];
         tile.clear();
         for (std::size_t c = 0; c < part.channels.size(); ++c) {
-            const Channel& channel = part.channels[c];
+            const ProbeChannel& channel = part.channels[c];
             for (std::size_t p = 0; p < count; ++p) {
                 const char* source = channel.first + (first + p) * channel.stride;
                 if (channel.type == Imf::HALF) {
@@ -135,7 +135,7 @@ Imf::Header make_index_header(const Volume& volume, Layout layout, const Imf::Fr
         header.insert(grid_attribute(g, "counts"), Imf::V3iAttribute({grid.counts.x, grid.counts.y, grid.counts.z}));
     }
     Imf::StringVector settings;
-    for (const auto& [key, value] : volume.settings) settings.push_back(key + "=" + value);
+    for (const auto& [name, value] : volume.settings) settings.push_back(fmt::format("{}={}", name, value));
     header.insert(settings_attribute, Imf::StringVectorAttribute(settings));
     return header;
 }
@@ -162,7 +162,7 @@ Part make_error_part(Volume& volume, Layout layout, const Index& index) {
 
 Part make_validity_part(Volume& volume, Layout layout, std::vector<float>& states) {
     for (const ProbeState state : volume.states) states.push_back(static_cast<float>(state));
-    std::vector<Channel> channels;
+    std::vector<ProbeChannel> channels;
     if (!all_zero(volume.offsets)) channels = offset_channels(volume);
     channels.push_back({"state", Imf::HALF, reinterpret_cast<char*>(states.data()), sizeof(float)});
     return make_part(validity_part, layout, std::move(channels));
@@ -172,7 +172,7 @@ Part make_validity_part(Volume& volume, Layout layout, std::vector<float>& state
 Part make_list_part(Volume& volume, Layout layout, std::vector<glm::vec3>& relative) {
     const glm::dvec3 origin = volume.list.front();
     for (const glm::dvec3& position : volume.list) relative.emplace_back(position - origin);
-    std::vector<Channel> channels = position_channels(volume);
+    std::vector<ProbeChannel> channels = position_channels(volume);
     for (int axis = 0; axis < 3; ++axis) {
         channels.push_back(
             {std::string(1, "xyz"[axis]), Imf::FLOAT, reinterpret_cast<char*>(&relative[0][axis]), sizeof(glm::vec3)});
@@ -198,6 +198,7 @@ std::string encode(Volume& volume) {
     if (!volume.has_cells()) parts.push_back(make_list_part(volume, layout, relative));
 
     std::vector<Imf::Header> headers;
+    headers.reserve(parts.size() + 1);
     for (const Part& part : parts) headers.push_back(part.header);
     headers.push_back(make_index_header(volume, layout, index_frame));
 

@@ -14,36 +14,28 @@ namespace {
 
 std::string_view trimmed(std::string_view text) {
     const std::size_t first = text.find_first_not_of(" \t\r");
-    if (first == std::string_view::npos) return {};
+    if (first == std::string_view::npos) return text.substr(0, 0);  // still a part of it
     return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
 }
 
-// Takes one field and its comma off the front of `line`; false: a quote is not closed, or text follows one.
-bool take_field(std::string_view& line, std::string& field) {
-    field.clear();
+// Takes one field off the front of `line`, up to its comma; nothing: a quote is not closed, or text follows one. A
+// quote within quotes stays doubled: no number or name that anybody asks for has one.
+std::optional<std::string_view> take_field(std::string_view& line) {
     const std::size_t first = line.find_first_not_of(" \t");
-    if (first == std::string_view::npos || line[first] != '"') {
-        const std::size_t comma = line.find(',');
-        field = trimmed(line.substr(0, comma));
-        line.remove_prefix(comma == std::string_view::npos ? line.size() : comma);
-        return true;
+    const bool quoted = first != std::string_view::npos && line[first] == '"';
+    std::size_t closing = first;
+    while (quoted) {
+        closing = line.find('"', closing + 1);
+        if (closing == std::string_view::npos) return std::nullopt;
+        if (closing + 1 >= line.size() || line[closing + 1] != '"') break;
+        ++closing;  // two of them: a quote in the text
     }
-    std::size_t i = first + 1;
-    for (;; ++i) {
-        if (i >= line.size()) return false;
-        if (line[i] != '"') {
-            field += line[i];
-        } else if (i + 1 < line.size() && line[i + 1] == '"') {
-            field += line[i++];
-        } else {
-            break;
-        }
-    }
-    line.remove_prefix(i + 1);
-    const std::size_t comma = line.find(',');
-    if (!trimmed(line.substr(0, comma)).empty()) return false;
-    line.remove_prefix(comma == std::string_view::npos ? line.size() : comma);
-    return true;
+    const std::size_t comma = std::min(line.find(',', quoted ? closing : 0), line.size());
+    if (quoted && !trimmed(line.substr(closing + 1, comma - closing - 1)).empty()) return std::nullopt;
+    const std::string_view field =
+        quoted ? line.substr(first + 1, closing - first - 1) : trimmed(line.substr(0, comma));
+    line.remove_prefix(comma);
+    return field;
 }
 
 std::string listed(const std::vector<std::string>& names) {
@@ -55,15 +47,14 @@ std::string listed(const std::vector<std::string>& names) {
 
 }  // namespace
 
-CsvTable::CsvTable(std::string text, std::string name) : name_(std::move(name)) {
-    if (text.find('\0') != std::string::npos) throw Error("is not a text file", name_, "A CSV file is needed.");
-    std::string_view rest = text;
+CsvTable::CsvTable(std::string text, std::string name) : text_(std::move(text)), name_(std::move(name)) {
+    if (text_.find('\0') != std::string::npos) throw Error("is not a text file", name_, "A CSV file is needed.");
+    std::string_view rest = text_;
     if (rest.starts_with("\xEF\xBB\xBF")) rest.remove_prefix(3);
     for (std::size_t number = 1; !rest.empty(); ++number) {
-        const std::size_t end = rest.find('\n');
-        std::string_view line = rest.substr(0, end);
-        rest.remove_prefix(end == std::string_view::npos ? rest.size() : end + 1);
-        if (line.ends_with('\r')) line.remove_suffix(1);
+        const std::size_t end = std::min(rest.find('\n'), rest.size());
+        const std::string_view line = rest.substr(0, end);
+        rest.remove_prefix(std::min(end + 1, rest.size()));
         if (!trimmed(line).empty()) read_line(line, number);
     }
     if (columns_.empty()) throw Error("is empty", name_, "Its first line has to name the columns, as in x,y,z.");
@@ -71,25 +62,29 @@ CsvTable::CsvTable(std::string text, std::string name) : name_(std::move(name)) 
 
 void CsvTable::read_line(std::string_view line, std::size_t number) {
     const std::string where = fmt::format("{}: line {}", name_, number);
-    std::vector<std::string> fields;
+    std::vector<std::string_view> fields;
     for (bool more = true; more;) {
-        if (!take_field(line, fields.emplace_back())) throw Error("a quote is not closed or text follows it", where);
+        const auto field = take_field(line);
+        if (!field) throw Error("a quote is not closed or text follows it", where);
+        fields.push_back(*field);
         more = !line.empty();
         if (more) line.remove_prefix(1);  // the comma; another field follows, be it empty
     }
     if (columns_.empty()) {
-        for (const std::string& field : fields) {
-            if (!field.empty() && std::count(fields.begin(), fields.end(), field) > 1) {
-                throw Error(fmt::format("column \"{}\" is named twice", field), where);
+        columns_.assign(fields.begin(), fields.end());
+        for (const std::string& column : columns_) {
+            if (!column.empty() && std::count(columns_.begin(), columns_.end(), column) > 1) {
+                throw Error(fmt::format("column \"{}\" is named twice", column), where);
             }
         }
-        columns_ = std::move(fields);
         return;
     }
     if (fields.size() != columns_.size()) {
         throw Error(fmt::format("{} fields, but the header names {}", fields.size(), columns_.size()), where);
     }
-    std::move(fields.begin(), fields.end(), std::back_inserter(fields_));
+    for (const std::string_view field : fields) {
+        fields_.push_back({static_cast<std::size_t>(field.data() - text_.data()), field.size()});
+    }
     lines_.push_back(number);
 }
 
@@ -107,7 +102,8 @@ std::size_t CsvTable::column(std::string_view name) const {
 }
 
 double CsvTable::number(std::size_t row, std::size_t column) const {
-    const std::string& field = fields_[row * columns_.size() + column];
+    const Field place = fields_[row * columns_.size() + column];
+    const std::string_view field = std::string_view(text_).substr(place.first, place.size);
     const char* first = field.data();
     const char* last = first + field.size();
     if (field.size() > 1 && *first == '+' && field[1] != '-') ++first;  // from_chars knows no plus sign
@@ -141,9 +137,10 @@ Points to_points(const CsvTable& table) {
     const std::size_t ny = has_normals ? table.column("ny") : 0;
     const std::size_t nz = has_normals ? table.column("nz") : 0;
     for (std::size_t row = 0; row < table.rows(); ++row) {
-        points.positions.emplace_back(table.number(row, x), table.number(row, y), table.number(row, z));
+        // In braces, the first column that is wrong is the one complained of.
+        points.positions.push_back(glm::dvec3{table.number(row, x), table.number(row, y), table.number(row, z)});
         if (!has_normals) continue;
-        points.normals.emplace_back(table.number(row, nx), table.number(row, ny), table.number(row, nz));
+        points.normals.push_back(glm::dvec3{table.number(row, nx), table.number(row, ny), table.number(row, nz)});
         if (points.normals.back() == glm::dvec3(0)) throw Error("the normal is zero", table.where(row));
     }
     return points;

@@ -35,10 +35,15 @@ class CsvTable {
   private:
     void read_line(std::string_view line, std::size_t number);
 
+    struct Field {  // in the text, without quotes and spaces around it
+        std::size_t first;
+        std::size_t size;
+    };
+    std::string text_;
     std::string name_;
     std::vector<std::string> columns_;
-    std::vector<std::string> fields_;  // rows * columns
-    std::vector<std::size_t> lines_;   // per row
+    std::vector<Field> fields_;       // rows * columns
+    std::vector<std::size_t> lines_;  // per row
 };
 
 /// Reads a CSV file; "-" is standard input.

@@ -18,8 +18,10 @@ CLI::Validator finite(float least = std::numeric_limits<float>::lowest()) {
         const bool fine = CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value >= least;
         return fine ? std::string() : fmt::format("{} is not a finite number{}", text, least == 0 ? " from 0 on" : "");
     };
-    return {check, "NUMBER", "finite"};
+    return {check, "", "finite"};
 }
+
+constexpr const char* volume_help = "Probe volume (*.probes.exr)";
 
 // Each adds a verb: its options, and what it does with them.
 
@@ -30,7 +32,7 @@ void add_info(CLI::App& program) {
     };
     const auto options = std::make_shared<Options>();
     CLI::App* verb = program.add_subcommand("info", "What a volume holds: grids, probes, errors, settings");
-    verb->add_option("VOLUME", options->volume, "Probe volume (*.probes.exr)")->required();
+    verb->add_option("VOLUME", options->volume, volume_help)->type_name("")->required();
     verb->add_flag("--json", options->json, "As JSON");
     verb->callback([options] { run_info(options->volume, options->json); });
 }
@@ -38,7 +40,7 @@ void add_info(CLI::App& program) {
 void add_probes(CLI::App& program) {
     const auto volume = std::make_shared<std::string>();
     CLI::App* verb = program.add_subcommand("probes", "All stored probes as CSV");
-    verb->add_option("VOLUME", *volume, "Probe volume (*.probes.exr)")->required();
+    verb->add_option("VOLUME", *volume, volume_help)->type_name("")->required();
     verb->callback([volume] { run_probes(*volume); });
 }
 
@@ -46,21 +48,26 @@ void add_query(CLI::App& program) {
     const auto options = std::make_shared<QueryOptions>();
     const auto sky = std::make_shared<std::vector<float>>();
     CLI::App* verb = program.add_subcommand("query", "Light at points, interpolated, as CSV");
-    verb->add_option("VOLUME", options->volume, "Probe volume (*.probes.exr)")->required();
+    verb->add_option("VOLUME", options->volume, volume_help)->type_name("")->required();
     verb->add_option("--points", options->points,
                      "CSV with columns x, y, z and perhaps nx, ny, nz (else the six axes); - is standard input")
+        ->type_name("FILE")
         ->required();
     CLI::Option* sh = verb->add_flag("--sh", options->sh, "Coefficients of radiance instead of irradiance");
     verb->add_option("--normal-bias", options->normal_bias, "Metres that points are moved along their normals")
+        ->type_name("M")
         ->check(finite())
         ->excludes(sh);
     verb->add_option("--outside", options->outside, "Beyond the volume: clamp (nearest light) or fade (to the sky)")
+        ->type_name("HOW")
         ->check(CLI::IsMember({"clamp", "fade"}))
         ->capture_default_str();
     verb->add_option("--fade-distance", options->fade_distance, "Metres over which fade goes to the sky")
+        ->type_name("M")
         ->check(finite(0))
         ->capture_default_str();
     verb->add_option("--sky", *sky, "Radiance R,G,B of the sky that fade goes to (default black)")
+        ->type_name("R,G,B")
         ->delimiter(',')
         ->check(finite())
         ->expected(3);
@@ -98,9 +105,10 @@ void add_diff(CLI::App& program) {
     };
     const auto options = std::make_shared<Options>();
     CLI::App* verb = program.add_subcommand("diff", "Error of volume B against A");
-    verb->add_option("A", options->a, "Reference: a volume, or CSV of lightgrid query, reference or probes")
+    verb->add_option("A", options->a, "Reference: a volume, or CSV that lightgrid query, reference or probes printed")
+        ->type_name("")
         ->required();
-    verb->add_option("B", options->b, "Probe volume (*.probes.exr)")->required();
+    verb->add_option("B", options->b, volume_help)->type_name("")->required();
     verb->add_flag("--json", options->json, "As JSON");
     verb->callback([options] { run_diff(options->a, options->b, options->json); });
 }
@@ -109,6 +117,7 @@ int run(int argc, const char* const* argv) {
     CLI::App program("Reads probe volumes that level-bake wrote.", "lightgrid");
     program.set_version_flag("--version", "lightgrid " LIGHTGRID_VERSION);
     program.require_subcommand(1);
+    program.get_formatter()->label("SUBCOMMAND", "VERB");
     add_info(program);
     add_probes(program);
     add_query(program);

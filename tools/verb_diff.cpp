@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <numbers>
 #include <tuple>
 
@@ -144,7 +145,7 @@ Reference load_reference(const std::string& path) {
 class LightAt {
   public:
     LightAt(const Volume& volume, const std::string& name) : volume_(volume), name_(name) {
-        if (volume.has_cells()) sampler_.emplace(volume);
+        if (volume.has_cells()) sampler_ = std::make_unique<Sampler>(volume);
         for (std::size_t row = 0; row < volume.list.size(); ++row) rows_.try_emplace(key_of(volume.list[row]), row);
     }
 
@@ -165,7 +166,7 @@ class LightAt {
   private:
     const Volume& volume_;
     std::string name_;
-    std::optional<Sampler> sampler_;
+    std::unique_ptr<Sampler> sampler_;  // for a volume with cells
     std::map<PositionKey, std::size_t> rows_;
 };
 

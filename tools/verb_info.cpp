@@ -147,7 +147,8 @@ void print_json(const std::string& path, std::size_t bytes, const Volume& volume
                           {"standard_error", summary.noise},
                           {"relative_error", summary.relative_noise},
                           {"worst_relative_error", summary.worst_noise},
-                          {"worst_position", to_json(summary.worst_position)}};
+                          {"worst_position", nullptr}};
+    if (summary.worst_noise > 0) json["irradiance"]["worst_position"] = to_json(summary.worst_position);
     json["conventions"] = volume_conventions;
     json["settings"] = volume.settings;
     // Paths need not be UTF-8.

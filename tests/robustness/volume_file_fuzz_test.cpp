@@ -1,7 +1,7 @@
 #include "core/error.h"
+#include "core/whole_file.h"
 #include "probes/half_storage.h"
 #include "probes/volume_file.h"
-#include "core/whole_file.h"
 
 #include <gtest/gtest.h>
 

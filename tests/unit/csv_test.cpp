@@ -71,6 +71,7 @@ TEST(Csv, MayHaveNoRows) {
 TEST(Csv, NamesTheLineOfWhatIsWrong) {
     EXPECT_EQ(complaint("x,y,z\n1,2,3\n\n1,abc,3\n"), "points.csv: line 4: column y: \"abc\" is not a number");
     EXPECT_EQ(complaint("x,y,z\n1,2,\n"), "points.csv: line 2: column z: \"\" is not a number");
+    EXPECT_EQ(complaint("x,y,z\n , ,\n"), "points.csv: line 2: column x: \"\" is not a number");
     EXPECT_EQ(complaint("x,y,z\n1,2,3m\n"), "points.csv: line 2: column z: \"3m\" is not a number");
     EXPECT_EQ(complaint("x,y,z\n1,+-2,3\n"), "points.csv: line 2: column y: \"+-2\" is not a number");
     EXPECT_EQ(complaint("x,y,z\nnan,2,3\n"), "points.csv: line 2: column x: \"nan\" is not finite");

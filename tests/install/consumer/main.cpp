@@ -1,7 +1,7 @@
 // What an engine does: reads a volume and asks it for light.
 
-#include <probes/sampler.h>
-#include <probes/volume_file.h>
+#include "probes/sampler.h"
+#include "probes/volume_file.h"
 
 #include <cmath>
 #include <cstdio>
