@@ -16,6 +16,9 @@ namespace {
 
 constexpr float ceiling = 2.8F;
 constexpr float door_height = 2.1F;
+// Bodies stand this far apart where they would touch: two faces in one plane are seen in no certain order, and from
+// within a solid the other body's front would look like free space.
+constexpr float hair = 0.001F;
 
 // Light of 2700 K and 4000 K in linear Rec.709, red = 1.
 constexpr glm::vec3 warm{1, 0.62F, 0.3F};
@@ -25,7 +28,7 @@ struct Palette {
     int plaster, ceiling, terracotta, teal, skirting, stone, grass, hedge, facade;
     int parquet, tiles, paving, rug, painting, print, leaf;
     int oak, walnut, steel, china, glass, linen, navy, mustard, rust, clay, soil, orange, glaze, paper;
-    int bulb, shade, strip, sconce;
+    int bulb, shade, lantern, strip, sconce;
     std::array<int, 5> covers;
 };
 
@@ -74,10 +77,12 @@ Palette add_palette(Glb& glb) {
     p.orange = plain("orange", 0.75F, 0.3F, 0.1F);
     p.glaze = plain("glaze", 0.16F, 0.38F, 0.42F);
     p.paper = plain("paper", 0.78F, 0.74F, 0.64F);
-    p.bulb = shining("bulb", 2600.0F * warm);        // about 900 lm from a pendant's ball
-    p.shade = shining("lamp shade", 420.0F * warm);  // about 450 lm
-    p.strip = shining("light strip", 2500.0F * neutral);
-    p.sconce = shining("sconce", 1200.0F * warm);
+    // A body of area A and radiance L gives pi A L lumens.
+    p.bulb = shining("bulb", 700.0F * warm);              // 560 lm from a pendant
+    p.shade = shining("lamp shade", 300.0F * warm);       // 450 lm
+    p.lantern = shining("paper lantern", 450.0F * warm);  // 1,100 lm
+    p.strip = shining("light strip", 600.0F * neutral);
+    p.sconce = shining("sconce", 900.0F * warm);  // 200 lm
     p.covers = {plain("red cover", 0.5F, 0.12F, 0.1F), plain("green cover", 0.13F, 0.3F, 0.2F),
                 plain("blue cover", 0.12F, 0.2F, 0.42F), plain("cream cover", 0.72F, 0.62F, 0.44F),
                 plain("black cover", 0.1F, 0.1F, 0.11F)};
@@ -96,42 +101,42 @@ glm::quat shine_along(glm::vec3 direction) {
 /// Living room and kitchen to the south (+Z), study and hall to the north.
 void add_house(Glb& glb, const Palette& p) {
     Blocks house({p.facade, p.facade, p.facade});
-    house.fill({-0.25F, -0.3F, -0.25F}, {10.25F, 3.1F, 8.25F});
+    house.fill({-0.5F, -0.3F, -0.5F}, {10.5F, 3.1F, 8.5F});
     const Paint living{p.parquet, p.plaster, p.ceiling};
     const Paint kitchen{p.tiles, p.plaster, p.ceiling};
     const Paint study{p.parquet, p.terracotta, p.ceiling};
     const Paint hall{p.parquet, p.teal, p.ceiling};
     const Paint opening{p.parquet, p.skirting, p.skirting};
-    house.carve({0, 0, 3.08F}, {5.92F, ceiling, 8}, living);
-    house.carve({6.08F, 0, 3.08F}, {10, ceiling, 8}, kitchen);
-    house.carve({0, 0, 0}, {4.42F, ceiling, 2.92F}, study);
-    house.carve({4.58F, 0, 0}, {10, ceiling, 2.92F}, hall);
+    house.carve({0, -hair, 3.08F}, {5.92F, ceiling, 8}, living);
+    house.carve({6.08F, -hair, 3.08F}, {10, ceiling, 8}, kitchen);
+    house.carve({0, -hair, 0}, {4.42F, ceiling, 2.92F}, study);
+    house.carve({4.58F, -hair, 0}, {10, ceiling, 2.92F}, hall);
 
-    house.carve({5.92F, 0, 4.3F}, {6.08F, 2.35F, 6.9F}, opening);          // living room - kitchen
-    house.carve({0.5F, 0, 2.92F}, {1.4F, door_height, 3.08F}, opening);    // living room - study
-    house.carve({4.75F, 0, 2.92F}, {5.65F, door_height, 3.08F}, opening);  // living room - hall
-    house.carve({8.7F, 0, 2.92F}, {9.6F, door_height, 3.08F}, opening);    // kitchen - hall
+    house.carve({5.92F, -hair, 4.3F}, {6.08F, 2.35F, 6.9F}, opening);          // living room - kitchen
+    house.carve({0.5F, -hair, 2.92F}, {1.4F, door_height, 3.08F}, opening);    // living room - study
+    house.carve({4.75F, -hair, 2.92F}, {5.65F, door_height, 3.08F}, opening);  // living room - hall
+    house.carve({8.7F, -hair, 2.92F}, {9.6F, door_height, 3.08F}, opening);    // kitchen - hall
 
     const Paint reveal{p.skirting, p.plaster, p.plaster};
-    house.carve({0.9F, 0.35F, 8}, {5.1F, 2.45F, 8.25F}, reveal);                          // living room, south
-    house.carve({-0.25F, 0.9F, 4.6F}, {0, 2.3F, 6.4F}, reveal);                           // living room, west
-    house.carve({7.2F, 0, 8}, {8.8F, 2.35F, 8.25F}, {p.skirting, p.plaster, p.plaster});  // kitchen, garden door
-    house.carve({10, 1, 4.6F}, {10.25F, 2.3F, 6.6F}, reveal);                             // kitchen, east
-    house.carve({7.7F, ceiling, 0.8F}, {9.1F, 3.1F, 2.1F}, reveal);                       // hall, skylight
+    house.carve({0.9F, 0.35F, 8}, {5.1F, 2.45F, 8.5F}, reveal);                              // living room, south
+    house.carve({-0.5F, 0.9F, 4.6F}, {0, 2.3F, 6.4F}, reveal);                               // living room, west
+    house.carve({7.2F, -hair, 8}, {8.8F, 2.35F, 8.5F}, {p.skirting, p.plaster, p.plaster});  // kitchen, garden door
+    house.carve({10, 1, 4.6F}, {10.5F, 2.3F, 6.6F}, reveal);                                 // kitchen, east
+    house.carve({7.7F, ceiling, 0.8F}, {9.1F, 3.1F, 2.1F}, reveal);                          // hall, skylight
 
     // Four steps up to a landing at the hall's east end.
     for (int step = 0; step < 4; ++step) {
         const auto index = static_cast<float>(step);
-        house.fill({7.4F + 0.3F * index, 0.16F * index, 0}, {10, 0.16F * (index + 1), 1.45F});
+        house.fill({7.4F + 0.3F * index, 0.16F * index - hair, 0}, {10, 0.16F * (index + 1), 1.45F});
     }
     Shape shape;
     house.add_to(shape);
     glb.place(glb.add_mesh(shape, "house"), "house");
 
-    // Skirting boards, a hair away from the walls' corners so that no two faces coincide.
+    // Skirting boards.
     Shape boards;
     const auto board = [&](glm::vec2 from, glm::vec2 to) {
-        add_box(boards, p.skirting, {from.x, 0, from.y}, {to.x, 0.09F, to.y});
+        add_box(boards, p.skirting, {from.x + hair, 0, from.y + hair}, {to.x - hair, 0.09F, to.y - hair});
     };
     constexpr float deep = 0.014F;
     board({1.4F, 3.08F}, {4.75F, 3.08F + deep});
@@ -153,10 +158,10 @@ void add_house(Glb& glb, const Palette& p) {
     const auto window = [&](const char* name, glm::vec2 size, glm::ivec2 panes, const Placement& placement) {
         glb.place(glb.add_mesh(window_frame(p.skirting, p.glass, size, panes), name), name, placement);
     };
-    window("south window", {4.2F, 2.1F}, {4, 1}, at({0.9F, 0.35F, 8.16F}));
-    window("west window", {1.8F, 1.4F}, {2, 1}, at({-0.16F, 0.9F, 6.4F}, 90));
-    window("garden door", {1.6F, 2.35F}, {2, 1}, at({7.2F, 0, 8.16F}));
-    window("east window", {2, 1.3F}, {2, 1}, at({10.16F, 1, 6.6F}, 90));
+    window("south window", {4.2F, 2.1F}, {4, 1}, at({0.9F, 0.35F, 8.36F}));
+    window("west window", {1.8F, 1.4F}, {2, 1}, at({-0.36F, 0.9F, 6.4F}, 90));
+    window("garden door", {1.6F, 2.35F}, {2, 1}, at({7.2F, 0, 8.36F}));
+    window("east window", {2, 1.3F}, {2, 1}, at({10.36F, 1, 6.6F}, 90));
     window("skylight", {1.4F, 1.3F}, {2, 1},
            {{7.7F, 3, 2.1F}, glm::angleAxis(-glm::half_pi<float>(), glm::vec3(1, 0, 0)), glm::vec3(1)});
 }
@@ -164,9 +169,9 @@ void add_house(Glb& glb, const Palette& p) {
 void add_garden(Glb& glb, const Palette& p) {
     Shape garden;
     Blocks ground({p.grass, p.grass, p.grass});
-    ground.fill({-4.5F, -0.5F, -4.5F}, {14.5F, -0.3F, 13});
+    ground.fill({-4.5F, -0.5F, -4.5F}, {14.5F, -0.3F - hair, 13});
     ground.add_to(garden);
-    add_box(garden, p.paving, {0.2F, -0.3F, 8.25F}, {9.8F, -0.06F, 10.6F});
+    add_box(garden, p.paving, {0.2F, -0.3F, 8.5F + hair}, {9.8F, -0.06F, 10.6F});
     Blocks hedge({p.hedge, p.hedge, p.hedge});
     hedge.fill({-4.4F, -0.3F, -4.4F}, {14.4F, 1.5F, 12.9F});
     hedge.carve({-3.7F, -0.3F, -3.7F}, {13.7F, 1.5F, 12.2F}, {p.hedge, p.hedge, p.hedge});
@@ -182,7 +187,7 @@ class Library {
         const glm::quat turn = glm::angleAxis(glm::radians(degrees), glm::vec3(0, 1, 0));
         float along = 0.01F;
         while (true) {
-            const glm::vec3 size{0.018F + 0.03F * next(), tallest * (0.68F + 0.3F * next()), 0.14F + 0.05F * next()};
+            const glm::vec3 size{0.02F + 0.034F * next(), tallest * (0.68F + 0.3F * next()), 0.14F + 0.05F * next()};
             if (along + size.x > length) return;
             const auto color = static_cast<std::size_t>(next() * static_cast<float>(rows_.size()));
             if (next() < 0.94F) {
@@ -228,19 +233,20 @@ void add_living_room(Glb& glb, const Palette& p, Library& library, int plant_mes
     Shape carpet;
     add_box(carpet, p.rug, {0, 0, 0}, {3, 0.012F, 2});
     show(carpet, "rug", at({1.75F, 0, 4.35F}));
-    show(sofa(p.navy, p.mustard, p.walnut, 2.2F), "sofa", at({3.2F, 0, 3.62F}));
+    show(sofa(p.navy, p.mustard, p.walnut, 2.2F), "sofa", at({3, 0, 3.62F}));
     show(armchair(p.mustard, p.linen, p.walnut), "armchair", at({4.85F, 0, 6.45F}, 215));
     show(round_table(p.oak, p.walnut, 0.5F, 0.4F), "coffee table", at({3.2F, 0.012F, 5.2F}));
     show(bowl(p.glaze, p.orange, 0.15F), "fruit bowl", at({3.38F, 0.412F, 5.05F}));
     library.add_pile({2.9F, 0.412F, 5.3F}, 4);
-    show(floor_lamp(p.steel, p.shade, p.bulb, 1.6F), "floor lamp", at({1.75F, 0, 3.5F}));
+    show(floor_lamp(p.steel, p.shade, 1.6F), "floor lamp", at({1.75F, 0, 3.5F}));
+    show(pendant(p.steel, p.lantern, 0.3F, 0.3F), "paper lantern", at({3.2F, ceiling, 5.4F}));
     show(round_table(p.oak, p.walnut, 0.24F, 0.5F), "side table", at({4.6F, 0, 3.5F}));
     show(vase(p.clay, 0.36F), "vase", at({4.6F, 0.5F, 3.5F}));
-    show(picture_frame(p.oak, p.painting, {1.2F, 0.9F}), "painting", at({3.2F, 1.65F, 3.08F}));
+    show(picture_frame(p.oak, p.painting, {1.2F, 0.9F}), "painting", at({3, 1.65F, 3.08F + hair}));
     show(column(p.stone, 0.13F, 2.35F), "column", at({6, 0, 5.6F}));
 
     constexpr glm::vec3 shelf_size{1, 2.1F, 0.3F};
-    show(shelf(p.walnut, shelf_size, 6), "living room shelf", at({5.92F, 0, 7.46F}, -90));
+    show(shelf(p.walnut, shelf_size, 6), "living room shelf", at({5.92F - hair, 0, 7.46F}, -90));
     const float pitch = (shelf_size.y - 0.025F) / 6;
     for (int board = 0; board < 6; ++board) {
         if (board == 3) continue;
@@ -248,7 +254,7 @@ void add_living_room(Glb& glb, const Palette& p, Library& library, int plant_mes
     }
     show(bowl(p.china, p.glaze, 0.12F), "bowl", at({5.75F, 0.025F + 3 * pitch, 7.45F}));
 
-    glb.place(plant_mesh, "tall plant", at({0.55F, 0, 7.45F}, 20, 1.25F));
+    glb.place(plant_mesh, "tall plant", at({0.65F, 0, 7.35F}, 20, 1.25F));
     glb.place(plant_mesh, "plant", at({5.5F, 0, 3.5F}, 140, 0.9F));
     show(curtain(p.linen, 0.6F, 2.35F), "curtain", at({0.32F, 0.1F, 7.9F}));
     glb.place(glb.add_mesh(curtain(p.linen, 0.48F, 2.35F), "curtain, right"), "curtain, right",
@@ -256,12 +262,12 @@ void add_living_room(Glb& glb, const Palette& p, Library& library, int plant_mes
 
     glb.place_light({.name = "picture spot",
                      .type = "spot",
-                     .intensity = 260,
+                     .intensity = 130,
                      .color = neutral,
                      .range = 6,
                      .inner_cone = glm::radians(12.0F),
                      .outer_cone = glm::radians(26.0F)},
-                    {{3.2F, 2.7F, 4.4F}, shine_along(glm::vec3(0, -1.05F, -1.3F)), glm::vec3(1)});
+                    {{3, 2.78F, 4.5F}, shine_along(glm::vec3(0, -1.13F, -1.4F)), glm::vec3(1)});
 }
 
 void add_kitchen(Glb& glb, const Palette& p, int chair_mesh, int plant_mesh) {
@@ -286,7 +292,7 @@ void add_kitchen(Glb& glb, const Palette& p, int chair_mesh, int plant_mesh) {
     show(bowl(p.china, p.orange, 0.17F), "table bowl", at(middle + glm::vec3(0, table_size.y, 0.1F)));
     show(vase(p.glaze, 0.3F), "table vase", at(middle + glm::vec3(0.03F, table_size.y, -0.35F)));
 
-    const int lamp = glb.add_mesh(pendant(p.steel, p.bulb, 1), "pendant");
+    const int lamp = glb.add_mesh(pendant(p.steel, p.bulb, 0.9F, 0.17F), "pendant");
     std::vector<Placement> pendants;
     for (const float z : {-0.65F, 0.0F, 0.65F}) pendants.push_back(at(middle + glm::vec3(0, ceiling, z)));
     glb.place_instances(lamp, "pendants", pendants);
@@ -309,7 +315,7 @@ void add_kitchen(Glb& glb, const Palette& p, int chair_mesh, int plant_mesh) {
     glb.place_instances(jar, "jars", jars);
     show(bowl(p.glaze, p.rust, 0.14F), "counter bowl", at({7.7F, 0.91F, 3.4F}));
     glb.place(plant_mesh, "kitchen plant", at({9.5F, 0, 7.5F}, 75, 1.0F));
-    show(picture_frame(p.walnut, p.print, {0.6F, 0.8F}), "print", at({6.08F, 1.6F, 7.45F}, 90));
+    show(picture_frame(p.walnut, p.print, {0.6F, 0.8F}), "print", at({6.08F + hair, 1.6F, 7.45F}, 90));
 }
 
 void add_study(Glb& glb, const Palette& p, Library& library) {
@@ -329,10 +335,10 @@ void add_study(Glb& glb, const Palette& p, Library& library) {
     show(desk_lamp(p.steel, p.bulb), "desk lamp", at({3.25F, 0.74F, 1.62F}, 0));
     library.add_pile({3.85F, 0.74F, 1.8F}, 3);
     // The lamp's light itself: bulbs that small are better a point.
-    glb.place_light({.name = "desk light", .type = "point", .intensity = 45, .color = warm}, at({3.5F, 1.08F, 1.62F}));
+    glb.place_light({.name = "desk light", .type = "point", .intensity = 25, .color = warm}, at({3.5F, 1.08F, 1.62F}));
     show(armchair(p.rust, p.linen, p.walnut), "reading chair", at({0.75F, 0, 2.0F}, 120));
-    show(floor_lamp(p.steel, p.shade, p.bulb, 1.55F), "reading lamp", at({0.35F, 0, 1.2F}));
-    show(picture_frame(p.walnut, p.print, {0.6F, 0.8F}), "study print", at({4.42F, 1.55F, 1.75F}, -90));
+    show(floor_lamp(p.steel, p.shade, 1.55F), "reading lamp", at({0.35F, 0, 1.2F}));
+    show(picture_frame(p.walnut, p.print, {0.6F, 0.8F}), "study print", at({4.42F - hair, 1.55F, 1.75F}, -90));
 }
 
 void add_hall(Glb& glb, const Palette& p, int plant_mesh) {
@@ -340,9 +346,15 @@ void add_hall(Glb& glb, const Palette& p, int plant_mesh) {
         [&] {
             Shape shape;
             constexpr std::array<glm::vec2, 6> cup{
-                {{0, -0.14F}, {0.035F, -0.12F}, {0.07F, 0.06F}, {0.066F, 0.06F}, {0.03F, -0.1F}, {0, -0.1F}}};
+                {{0, -0.14F}, {0.03F, -0.12F}, {0.06F, 0}, {0.056F, 0}, {0.026F, -0.1F}, {0, -0.1F}}};
             add_lathe(shape, p.steel, cup, 20);
-            constexpr std::array<glm::vec2, 4> glow{{{0, -0.09F}, {0.032F, -0.09F}, {0.055F, 0.03F}, {0, 0.03F}}};
+            constexpr std::array<glm::vec2, 7> glow{{{0, -0.09F},
+                                                     {0.028F, -0.09F},
+                                                     {0.055F, 0.01F},
+                                                     {0.07F, 0.08F},
+                                                     {0.06F, 0.14F},
+                                                     {0.03F, 0.17F},
+                                                     {0, 0.175F}}};
             add_lathe(shape, p.sconce, glow, 20);
             return shape;
         }(),
@@ -353,11 +365,11 @@ void add_hall(Glb& glb, const Palette& p, int plant_mesh) {
     // A vase on a plinth upon the landing, below the skylight.
     Shape plinth;
     add_box(plinth, p.stone, {-0.19F, 0, -0.19F}, {0.19F, 0.75F, 0.19F});
-    glb.place(glb.add_mesh(plinth, "plinth"), "plinth", at({9.45F, 0.64F, 0.55F}, 12));
-    glb.place(glb.add_mesh(vase(p.mustard, 0.5F), "great vase"), "great vase", at({9.45F, 1.39F, 0.55F}));
-    glb.place(plant_mesh, "hall plant", at({4.95F, 0, 0.4F}, 200, 1.1F));
+    glb.place(glb.add_mesh(plinth, "plinth"), "plinth", at({9.45F, 0.64F + hair, 0.55F}, 12));
+    glb.place(glb.add_mesh(vase(p.mustard, 0.5F), "great vase"), "great vase", at({9.45F, 1.391F, 0.55F}));
+    glb.place(plant_mesh, "hall plant", at({5.15F, 0, 0.6F}, 200, 1.1F));
     glb.place(glb.add_mesh(picture_frame(p.oak, p.painting, {1.2F, 0.9F}), "hall painting"), "hall painting",
-              at({6.9F, 1.65F, 0}));
+              at({6.9F, 1.65F, hair}));
 }
 
 }  // namespace
@@ -367,7 +379,7 @@ Glb default_level() {
     const Palette palette = add_palette(glb);
     add_house(glb, palette);
     add_garden(glb, palette);
-    const int plant_mesh = glb.add_mesh(plant(palette.clay, palette.soil, palette.leaf, 24, 1), "plant");
+    const int plant_mesh = glb.add_mesh(plant(palette.clay, palette.soil, palette.leaf, 20, 1), "plant");
     const int chair_mesh = glb.add_mesh(chair(palette.walnut, palette.linen), "chair");
     Library library;
     add_living_room(glb, palette, library, plant_mesh);
@@ -375,7 +387,8 @@ Glb default_level() {
     add_study(glb, palette, library);
     add_hall(glb, palette, plant_mesh);
     library.place(glb, palette);
-    glb.mark_volume({5, 1.4F, 4}, {10.5F, 3, 8.5F});
+    // The outer layers are within the outer walls, the inner walls midway between two layers.
+    glb.mark_volume({5, 1.4F, 4}, {10.5F, 2.7F, 8.5F});
     return glb;
 }
 

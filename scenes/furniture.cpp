@@ -171,7 +171,7 @@ Shape plant(int pot, int soil, int leaf, int leaves, float height) {
         const float angle = golden_angle * static_cast<float>(i);
         const glm::vec3 out{std::cos(angle), 0, std::sin(angle)};
         const float rise = height * (0.45F + 0.55F * (1 - share));  // the young ones in the middle stand upright
-        const float reach = height * (0.15F + 0.5F * share);
+        const float reach = height * (0.12F + 0.32F * share);
         const float width = height * (0.055F + 0.02F * std::sin(3 * angle));
         constexpr int parts = 7;
         std::vector<glm::vec3> spine;
@@ -186,7 +186,7 @@ Shape plant(int pot, int soil, int leaf, int leaves, float height) {
     return shape;
 }
 
-Shape floor_lamp(int metal, int shade, int bulb, float height) {
+Shape floor_lamp(int metal, int shade, float height) {
     Shape shape;
     add_lathe(shape, metal,
               Profile{{0, 0},
@@ -194,28 +194,21 @@ Shape floor_lamp(int metal, int shade, int bulb, float height) {
                       {0.15F, 0.015F},
                       {0.02F, 0.03F},
                       {0.011F, 0.05F},
-                      {0.011F, height - 0.2F},
-                      {0, height - 0.2F}},
+                      {0.011F, height - 0.3F},
+                      {0, height - 0.3F}},
               24);
-    // The shade is a thin closed shell, open above and below.
-    add_lathe(shape, shade,
-              Profile{{0.2F, height - 0.32F},
-                      {0.15F, height},
-                      {0.146F, height},
-                      {0.196F, height - 0.32F},
-                      {0.2F, height - 0.32F}},
-              36);
-    add_ball(shape, bulb, {0, height - 0.15F, 0}, 0.05F, 16);
+    // Paper all round, closed above and below: nothing looks into it.
+    add_lathe(shape, shade, Profile{{0, height - 0.32F}, {0.2F, height - 0.32F}, {0.15F, height}, {0, height}}, 36);
     return shape;
 }
 
-Shape pendant(int metal, int bulb, float cord) {
+Shape pendant(int metal, int bulb, float cord, float radius) {
     Shape shape;
     add_pole(shape, metal, {0, -cord, 0}, 0.006F, cord, 8);
     add_lathe(shape, metal, Profile{{0, -0.03F}, {0.05F, -0.03F}, {0.05F, 0}, {0, 0}}, 16);
     add_lathe(shape, metal,
               Profile{{0, -cord - 0.03F}, {0.04F, -cord - 0.03F}, {0.03F, -cord + 0.03F}, {0, -cord + 0.03F}}, 16);
-    add_ball(shape, bulb, {0, -cord - 0.13F, 0}, 0.115F);
+    add_ball(shape, bulb, {0, -cord - radius - 0.015F, 0}, radius);
     return shape;
 }
 

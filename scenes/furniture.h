@@ -13,10 +13,10 @@ Shape round_table(int top, int legs, float radius, float height);
 Shape shelf(int wood, glm::vec3 size, int boards);  // open along +Z
 Shape book(int cover, int paper);                   // unit cube, standing; its spine looks along +Z
 Shape plant(int pot, int soil, int leaf, int leaves, float height);
-Shape floor_lamp(int metal, int shade, int bulb, float height);
-Shape pendant(int metal, int bulb, float cord);               // hangs from y = 0 down
-Shape desk_lamp(int metal, int bulb);                         // leans towards +X
-Shape picture_frame(int frame, int picture, glm::vec2 size);  // its back is the plane z = 0
+Shape floor_lamp(int metal, int shade, float height);
+Shape pendant(int metal, int bulb, float cord, float radius);  // hangs from y = 0 down
+Shape desk_lamp(int metal, int bulb);                          // leans towards +X
+Shape picture_frame(int frame, int picture, glm::vec2 size);   // its back is the plane z = 0
 Shape vase(int glaze, float height);
 Shape bowl(int glaze, int fruit, float radius);
 Shape plate(int china);

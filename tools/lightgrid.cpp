@@ -97,6 +97,38 @@ void add_reference(CLI::App& program) {
     verb->callback([options] { run_reference(*options); });
 }
 
+void add_draw(CLI::App& program) {
+    const auto options = std::make_shared<DrawOptions>();
+    const auto at = std::make_shared<std::vector<double>>();
+    CLI::App* verb = program.add_subcommand("draw", "Pictures of a volume in its level: false colours, probes, a view");
+    verb->add_option("LEVEL", options->level, "The level that was baked, .gltf or .glb")->required();
+    verb->add_option("VOLUME", options->volume, "Its volume (*.probes.exr)")->required();
+    verb->add_option("-o,--output", options->folder, "Folder for the pictures (default: this one)")->type_name("DIR");
+    verb->add_option("--at", *at, "x,y,z that slices and cuts go through (default: the volume's middle)")
+        ->delimiter(',')
+        ->check(finite())
+        ->expected(3);
+    verb->add_option("--camera", options->camera, "Draws a view: x,y,z of the eye and of what it looks at")
+        ->delimiter(',')
+        ->check(finite())
+        ->expected(6);
+    verb->add_option("--angle", options->angle_deg, "Horizontal angle of that view, degrees")
+        ->check(CLI::Range(1, 170))
+        ->capture_default_str();
+    verb->add_option("--exposure", options->exposure, "Brightness of 1 cd/m^2 (default: automatic)")->check(finite(0));
+    verb->add_option("--normal-bias", options->normal_bias,
+                     "Metres that look-ups move off surfaces (default: 0.3 spacings)")
+        ->check(finite());
+    verb->add_option("--width", options->width, "Pixels across")->check(CLI::Range(320, 8192))->capture_default_str();
+    verb->add_option("--report", options->report, "Report of level-bake (--report-json): draws error against time");
+    add_light_options(*verb, options->light);
+    verb->add_option("--scene", options->scene, "Which of the file's scenes (default: the file's own choice)");
+    verb->callback([options, at] {
+        if (!at->empty()) options->at = glm::dvec3((*at)[0], (*at)[1], (*at)[2]);
+        run_draw(*options);
+    });
+}
+
 void add_diff(CLI::App& program) {
     struct Options {
         std::string a;
@@ -122,6 +154,7 @@ int run(int argc, const char* const* argv) {
     add_probes(program);
     add_query(program);
     add_reference(program);
+    add_draw(program);
     add_diff(program);
     parse_command_line(program, argc, argv);
     return 0;

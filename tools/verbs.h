@@ -5,7 +5,9 @@
 #include <glm/glm.hpp>
 
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <vector>
 
 /// What `lightgrid VERB` does, a function per verb: results to standard output, Error when something is wrong.
 namespace lightgrid {
@@ -38,6 +40,24 @@ struct ReferenceOptions {
 };
 /// The path tracer's answer, with standard errors.
 void run_reference(const ReferenceOptions& options);
+
+struct DrawOptions {
+    std::string level;
+    std::string volume;
+    std::string folder = ".";
+    int scene = -1;                    // -1: the file's own choice
+    LightOptions light;                // what is around the level; the light on it is the volume's
+    std::optional<glm::dvec3> at;      // where slices and cuts go through; none: the volume's middle
+    std::vector<double> camera;        // eye and target; empty: no view
+    double angle_deg = 70;             // the camera's, horizontally
+    std::optional<float> exposure;     // per cd/m^2; none: automatic
+    std::optional<float> normal_bias;  // metres; none: three tenths of the spacing
+    int width = 1280;                  // pixels
+    std::string report;                // of level-bake; empty: no curve
+};
+/// Writes slices.png and probes.png into the folder, view.png with a camera, error.svg with a report, and their paths
+/// to standard output.
+void run_draw(const DrawOptions& options);
 
 /// reference_path  a volume, or a CSV of values ("-": standard input)
 void run_diff(const std::string& reference_path, const std::string& volume_path, bool json);

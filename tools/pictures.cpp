@@ -1,0 +1,365 @@
+#include "tools/pictures.h"
+
+#include "core/parallel.h"
+#include "core/sh.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+namespace lightgrid {
+namespace {
+
+const glm::vec3 paper = hex_color(0xF4F2EE);
+const glm::vec3 ink = hex_color(0x22252A);
+const glm::vec3 faint_ink = hex_color(0x7B7F86);
+const glm::vec3 section_fill = hex_color(0x2E3238);
+constexpr int margin = 36;
+constexpr int line_height = 24;
+
+Box bounds_of(const Volume& volume) {
+    Box box;
+    for (const Grid& grid : volume.grids) {
+        box.extend(grid.origin);
+        box.extend(grid.position(grid.counts - 1));
+    }
+    return box;
+}
+
+Canvas developed(const View& view, float exposure) {
+    Canvas canvas(view.light.width, view.light.height, paper);
+    for (std::size_t i = 0; i < canvas.pixels.size(); ++i) {
+        canvas.pixels[i] = glm::mix(tone_map(view.light.pixels[i], exposure), section_fill, view.section[i]);
+    }
+    return canvas;
+}
+
+// ---- false colours -------------------------------------------------------------------------------------------------
+
+/// Dark blue through cyan, green, yellow and red to pale: the order that lighting engineers know, with lightness rising
+/// throughout so that it reads in grey, too.
+glm::vec3 false_color(float t) {
+    static const std::array<glm::vec3, 8> ramp{hex_color(0x14123A), hex_color(0x2B2F8F), hex_color(0x1F6FB2),
+                                               hex_color(0x1FA39A), hex_color(0x6DBE45), hex_color(0xE3CF3A),
+                                               hex_color(0xF59E42), hex_color(0xFFF0DC)};
+    const float at = glm::clamp(t, 0.0F, 1.0F) * (ramp.size() - 1);
+    const auto below = std::min(static_cast<std::size_t>(at), ramp.size() - 2);
+    return glm::mix(ramp[below], ramp[below + 1], at - static_cast<float>(below));
+}
+
+/// 1, 2 or 5 times a power of ten: the mark with this number; 0 is 1, 3 is 10.
+double mark(int number) {
+    constexpr std::array<double, 3> steps{1, 2, 5};
+    const int decade = static_cast<int>(std::floor(number / 3.0));
+    return steps[number - 3 * decade] * std::pow(10.0, decade);
+}
+
+/// The last mark that is not above `value`.
+int mark_below(double value) {
+    int number = 3 * static_cast<int>(std::floor(std::log10(value)));
+    while (mark(number + 1) <= value) ++number;
+    return number;
+}
+
+struct Scale {
+    int first = 0;  // marks
+    int last = 1;
+
+    [[nodiscard]] float place(double value) const {
+        const double low = std::log(mark(first));
+        return static_cast<float>((std::log(std::max(value, 1e-30)) - low) / (std::log(mark(last)) - low));
+    }
+};
+
+/// A plane of the level, seen along -axis.
+struct Slice {
+    int axis;         // 1: plan, seen from above, X to the right; 2: X to the right, Y up; 0: -Z to the right, Y up
+    double position;  // of the plane
+    Box box;
+    double scale;  // pixels per metre
+
+    [[nodiscard]] int right() const { return axis == 0 ? 2 : 0; }
+    [[nodiscard]] int up() const { return axis == 1 ? 2 : 1; }
+    [[nodiscard]] glm::ivec2 size() const {
+        return glm::ivec2(glm::round(scale * glm::dvec2(box.size()[right()], box.size()[up()])));
+    }
+    [[nodiscard]] glm::dvec3 point(int x, int y) const {
+        const double u = (x + 0.5) / scale;
+        const double v = (y + 0.5) / scale;
+        glm::dvec3 p(0);
+        p[axis] = position;
+        p[right()] = axis == 0 ? box.max[2] - u : box.min[0] + u;
+        p[up()] = axis == 1 ? box.min[2] + v : box.max[1] - v;
+        return p;
+    }
+};
+
+struct SlicePixel {
+    float lux = 0;
+    bool solid = false;
+    SurfaceId behind;  // what is seen beyond the plane, for outlines
+    glm::vec3 normal{0};
+};
+
+std::vector<SlicePixel> sample_slice(const LitLevel& level, const Slice& slice) {
+    const glm::ivec2 size = slice.size();
+    std::vector<SlicePixel> pixels(static_cast<std::size_t>(size.x) * size.y);
+    glm::vec3 away(0);
+    away[slice.axis] = -1;
+    for_each_index(static_cast<std::size_t>(size.y), [&](std::size_t y) {
+        for (int x = 0; x < size.x; ++x) {
+            SlicePixel& pixel = pixels[y * size.x + x];
+            const glm::dvec3 point = slice.point(x, static_cast<int>(y));
+            pixel.solid = looks_solid(*level.tracer, point);
+            if (pixel.solid) continue;
+            pixel.lux = std::max(luminance(mean_irradiance(*level.sampler, point)), 0.0F);
+            const Hit hit = level.tracer->closest_hit(glm::vec3(point - level.tracer->scene().origin), away);
+            pixel.behind = hit.id;
+            pixel.behind.triangle = 0;
+            if (hit.found()) pixel.normal = level.tracer->surface(hit, away).normal;
+        }
+    });
+    return pixels;
+}
+
+Canvas color_slice(const Slice& slice, const std::vector<SlicePixel>& pixels, const Scale& scale) {
+    const glm::ivec2 size = slice.size();
+    Canvas canvas(size.x, size.y, section_fill);
+    for (int y = 0; y < size.y; ++y) {
+        for (int x = 0; x < size.x; ++x) {
+            const SlicePixel& pixel = pixels[static_cast<std::size_t>(y) * size.x + x];
+            if (pixel.solid) continue;
+            glm::vec3 color = false_color(scale.place(pixel.lux));
+            for (const glm::ivec2 step : {glm::ivec2(1, 0), glm::ivec2(0, 1)}) {
+                if (x + step.x >= size.x || y + step.y >= size.y) continue;
+                const SlicePixel& next = pixels[static_cast<std::size_t>(y + step.y) * size.x + x + step.x];
+                if (next.solid) continue;
+                const bool contour = pixel.lux > 0 && next.lux > 0 && mark_below(pixel.lux) != mark_below(next.lux);
+                const bool outline = next.behind != pixel.behind || glm::dot(next.normal, pixel.normal) < 0.7F;
+                if (contour) color = glm::mix(color, paper, 0.55F);
+                if (outline) color = glm::mix(color, ink, 0.35F);
+            }
+            canvas.at(x, y) = color;
+        }
+    }
+    return canvas;
+}
+
+/// The colour bar with its marks; returns its width.
+void draw_legend(Canvas& canvas, glm::ivec2 corner, int height, const Scale& scale) {
+    constexpr int bar = 26;
+    for (int y = 0; y < height; ++y) {
+        canvas.fill(corner + glm::ivec2(0, y), {bar, 1},
+                    false_color(1 - static_cast<float>(y) / static_cast<float>(height - 1)));
+    }
+    for (int number = scale.first; number <= scale.last; ++number) {
+        const int y =
+            corner.y + static_cast<int>(std::lround((1 - scale.place(mark(number))) * static_cast<float>(height - 1)));
+        canvas.fill({corner.x + bar, y}, {7, 1}, ink);
+        canvas.text({corner.x + bar + 12, y - 8}, fmt::format("{}", mark(number)), ink);
+    }
+    canvas.text({corner.x, corner.y - line_height - 4}, "lux", ink);
+}
+
+/// One metre, or a power of ten of it that suits the width.
+void draw_metre(Canvas& canvas, glm::ivec2 corner, double pixels_per_metre, int width) {
+    const double length = std::pow(10.0, std::floor(std::log10(0.4 * width / pixels_per_metre)));
+    const int pixels = static_cast<int>(std::lround(length * pixels_per_metre));
+    canvas.fill(corner, {pixels, 3}, ink);
+    canvas.fill(corner - glm::ivec2(0, 4), {1, 11}, ink);
+    canvas.fill(corner + glm::ivec2(pixels, -4), {1, 11}, ink);
+    canvas.text(corner + glm::ivec2(pixels + 10, -6), fmt::format("{} m", length), ink);
+}
+
+// ---- probes --------------------------------------------------------------------------------------------------------
+
+glm::vec3 state_color(ProbeState state) {
+    switch (state) {
+        case ProbeState::valid:
+            return hex_color(0x4FB286);
+        case ProbeState::moved:
+            return hex_color(0xF2B134);
+        case ProbeState::filled:
+            return hex_color(0xE5484D);
+        default:
+            return hex_color(0xB04FC6);
+    }
+}
+
+/// Lattice places of the layer of probes nearest to `at` across `axis`: slots, and where the layer is.
+struct Layer {
+    double position = 0;
+    std::vector<std::size_t> slots;
+};
+
+Layer nearest_layer(const Volume& volume, int axis, double at) {
+    const auto place = [&](std::size_t slot) { return lattice_position(volume, slot)[axis]; };
+    Layer layer;
+    double best = std::numeric_limits<double>::infinity();
+    for (std::size_t slot = 0; slot < volume.slots(); ++slot) {
+        if (volume.states[slot] == ProbeState::absent) continue;
+        const double distance = std::abs(place(slot) - at);
+        if (distance < best) {
+            best = distance;
+            layer.position = place(slot);
+        }
+    }
+    for (std::size_t slot = 0; slot < volume.slots(); ++slot) {
+        if (volume.states[slot] != ProbeState::absent && place(slot) == layer.position) layer.slots.push_back(slot);
+    }
+    return layer;
+}
+
+/// Spheres under the light of their probes, hidden by what is nearer in `view`.
+void draw_spheres(Canvas& canvas, const View& view, const Camera& camera, const Volume& volume, const Layer& layer,
+                  float radius, float exposure) {
+    const double to_pixels = 0.5 * canvas.width;
+    std::vector<float> depth = view.depth;
+    for (const std::size_t slot : layer.slots) {
+        const glm::dvec3 center = gather_position(volume, slot);
+        const glm::dvec3 seen = camera.project(center);
+        const glm::dvec2 middle(to_pixels + seen.x * to_pixels, 0.5 * canvas.height - seen.y * to_pixels);
+        const double pixels = radius / (camera.half_width * (camera.orthographic ? 1 : seen.z)) * to_pixels;
+        const glm::vec3 ring = state_color(volume.states[slot]);
+        const int reach = static_cast<int>(std::ceil(pixels)) + 1;
+        for (int dy = -reach; dy <= reach; ++dy) {
+            for (int dx = -reach; dx <= reach; ++dx) {
+                const glm::ivec2 at = glm::ivec2(glm::floor(middle)) + glm::ivec2(dx, dy);
+                if (at.x < 0 || at.y < 0 || at.x >= canvas.width || at.y >= canvas.height) continue;
+                const glm::dvec2 offset = (glm::dvec2(at) + 0.5 - middle) / pixels;  // in radii
+                const double from_center = glm::length(offset);
+                const auto cover = static_cast<float>(glm::clamp((1 - from_center) * pixels + 0.5, 0.0, 1.0));
+                if (cover <= 0) continue;
+                const double bulge = std::sqrt(std::max(0.0, 1 - from_center * from_center));
+                const auto near = static_cast<float>(seen.z - radius * bulge);
+                float& nearest = depth[static_cast<std::size_t>(at.y) * canvas.width + at.x];
+                if (near > nearest) continue;
+                const glm::dvec3 normal =
+                    glm::normalize(offset.x * camera.right - offset.y * camera.up - bulge * camera.forward);
+                const glm::vec3 irradiance = glm::max(irradiance_from_sh(volume.sh(slot), glm::vec3(normal)), 0.0F);
+                const glm::vec3 lit = tone_map(0.8F * irradiance * std::numbers::inv_pi_v<float>, exposure);
+                const auto in_ring = static_cast<float>(glm::clamp((from_center - 0.8) * pixels + 0.5, 0.0, 1.0));
+                canvas.blend(at.x, at.y, glm::mix(lit, ring, in_ring), cover);
+                if (cover > 0.5F) nearest = near;
+            }
+        }
+    }
+}
+
+float smallest_spacing(const Volume& volume) {
+    double spacing = std::numeric_limits<double>::infinity();
+    for (const Grid& grid : volume.grids) {
+        spacing = std::min({spacing, grid.spacing.x, grid.spacing.y, grid.spacing.z});
+    }
+    return static_cast<float>(spacing);
+}
+
+}  // namespace
+
+Canvas draw_view(const LitLevel& level, const Camera& camera, const PictureOptions& options) {
+    const View view = render(level, camera, {options.width, options.width * 9 / 16}, 3);
+    return developed(view, options.exposure.value_or(automatic_exposure(view.light)));
+}
+
+Canvas draw_slices(const LitLevel& level, const Volume& volume, const PictureOptions& options) {
+    constexpr int legend = 120;
+    const Box box = bounds_of(volume);
+    const double scale = (options.width - 2 * margin - legend) / std::max(box.size().x, box.size().z);
+    const std::array<Slice, 3> slices{Slice{1, options.at.y, box, scale}, Slice{2, options.at.z, box, scale},
+                                      Slice{0, options.at.x, box, scale}};
+    const std::array<std::string, 3> titles{fmt::format("Plan at y = {:.2f} m", options.at.y),
+                                            fmt::format("Section at z = {:.2f} m", options.at.z),
+                                            fmt::format("Section at x = {:.2f} m", options.at.x)};
+    std::array<std::vector<SlicePixel>, 3> pixels;
+    std::vector<float> values;
+    int height = 2 * margin + 2 * line_height;
+    for (std::size_t i = 0; i < 3; ++i) {
+        pixels[i] = sample_slice(level, slices[i]);
+        height += slices[i].size().y + 2 * line_height;
+        for (const SlicePixel& pixel : pixels[i]) {
+            if (!pixel.solid && pixel.lux > 0) values.push_back(pixel.lux);
+        }
+    }
+    Scale lux;
+    if (!values.empty()) {
+        std::sort(values.begin(), values.end());
+        lux.first = mark_below(values[values.size() / 200]);
+        lux.last = std::max(mark_below(values[values.size() - 1 - values.size() / 200]) + 1, lux.first + 1);
+    }
+
+    Canvas canvas(options.width, height, paper);
+    glm::ivec2 corner(margin, margin);
+    canvas.text(corner, "Irradiance in the volume, mean over all directions", ink, 3);
+    corner.y += 2 * line_height;
+    const int top = corner.y + line_height;
+    for (std::size_t i = 0; i < 3; ++i) {
+        canvas.text(corner, titles[i], faint_ink);
+        canvas.paste(color_slice(slices[i], pixels[i], lux), corner + glm::ivec2(0, line_height));
+        corner.y += slices[i].size().y + 2 * line_height;
+    }
+    draw_legend(canvas, {options.width - margin - legend + 30, top + line_height}, slices[0].size().y - line_height,
+                lux);
+    draw_metre(canvas, {margin, corner.y + 4}, scale, options.width);
+    return canvas;
+}
+
+Canvas draw_probes(const LitLevel& level, const Volume& volume, const PictureOptions& options) {
+    const Box box = bounds_of(volume);
+    const float radius = 0.2F * smallest_spacing(volume);
+    const int width = options.width - 2 * margin;
+    const Layer plan = nearest_layer(volume, 1, options.at.y);
+    const Layer front = nearest_layer(volume, 2, options.at.z);
+
+    // From above and a little from the south.
+    Box below = box;
+    below.max.y = plan.position;
+    const glm::ivec2 plan_size(width, width * 5 / 8);
+    Camera above = Camera::around(below, {0, -1, -0.42}, 30, 1.6);
+    above.cut = Cut{{0, 1, 0}, plan.position};
+
+    Camera south;
+    south.orthographic = true;
+    south.half_width = 0.52 * box.size().x;
+    south.eye = {box.center().x, box.center().y, box.max.z + box.size().z};
+    south.cut = Cut{{0, 0, 1}, front.position};
+    const glm::ivec2 front_size(width,
+                                static_cast<int>(std::lround(width * 1.06 * box.size().y / (1.04 * box.size().x))));
+
+    const View plan_view = render(level, above, plan_size, 3);
+    const View front_view = render(level, south, front_size, 3);
+    const float exposure = options.exposure.value_or(automatic_exposure(front_view.light));
+
+    const int key_height = 2 * line_height;
+    Canvas canvas(options.width, 2 * margin + key_height + plan_size.y + front_size.y + 5 * line_height, paper);
+    glm::ivec2 corner(margin, margin);
+    canvas.text(corner, "Probes under their own light", ink, 3);
+    corner.y += 2 * line_height;
+    const auto draw = [&](const std::string& title, const View& view, const Camera& camera, const Layer& layer) {
+        canvas.text(corner, title, faint_ink);
+        corner.y += line_height;
+        Canvas picture = developed(view, exposure);
+        draw_spheres(picture, view, camera, volume, layer, radius, exposure);
+        canvas.paste(picture, corner);
+        corner.y += picture.height + line_height / 2;
+    };
+    draw(fmt::format("Layer at y = {:.2f} m", plan.position), plan_view, above, plan);
+    draw(fmt::format("Layer at z = {:.2f} m", front.position), front_view, south, front);
+
+    corner.y += line_height / 2;
+    constexpr std::array<std::pair<ProbeState, const char*>, 4> keys{
+        {{ProbeState::valid, "valid"},
+         {ProbeState::moved, "moved out of a solid"},
+         {ProbeState::filled, "inside a solid, filled from neighbours"},
+         {ProbeState::missing, "no light known"}}};
+    for (const auto& [state, name] : keys) {
+        canvas.disc(glm::vec2(corner) + glm::vec2(8), 6, paper, state_color(state), 3);
+        corner.x += 26 + canvas.text(corner + glm::ivec2(24, 0), name, ink) + 24;
+    }
+    return canvas;
+}
+
+}  // namespace lightgrid
