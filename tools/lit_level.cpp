@@ -24,9 +24,9 @@ struct Look {
 Look look(const LitLevel& level, glm::dvec3 from, glm::dvec3 direction, bool cut) {
     const Scene& scene = level.tracer->scene();
     const glm::vec3 along(direction);
-    glm::vec3 origin(from - scene.origin);
+    const glm::vec3 origin(from - scene.origin);
     glm::vec3 through(1);
-    SurfaceId source;
+    Hit hit;
     Look seen;
     if (cut && looks_solid(*level.tracer, from)) {
         seen.section = true;
@@ -34,7 +34,7 @@ Look look(const LitLevel& level, glm::dvec3 from, glm::dvec3 direction, bool cut
         return seen;
     }
     for (int layer = 0; layer < most_layers; ++layer) {
-        const Hit hit = level.tracer->closest_hit(origin, along, source);
+        hit = level.tracer->closest_hit(origin, along, std::numeric_limits<float>::infinity(), hit);
         if (!hit.found()) {
             seen.radiance += through * level.environment->radiance(along);
             break;
@@ -52,8 +52,6 @@ Look look(const LitLevel& level, glm::dvec3 from, glm::dvec3 direction, bool cut
         seen.radiance += through * point.alpha * own;
         through *= (1 - point.alpha) + point.alpha * point.transmission * point.tint;
         if (through == glm::vec3(0)) break;
-        origin = surface.leave(along);
-        source = hit.id;
     }
     return seen;
 }
