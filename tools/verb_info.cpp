@@ -66,13 +66,15 @@ Summary summarize(const Volume& volume) {
     return summary;
 }
 
+// Nine digits for people: a millimetre in a thousand kilometres. --json has them all.
 template <typename Vector>
 std::string by(const Vector& v) {
-    return fmt::format("{} x {} x {}", v.x, v.y, v.z);
+    return fmt::format("{:.9g} x {:.9g} x {:.9g}", static_cast<double>(v.x), static_cast<double>(v.y),
+                       static_cast<double>(v.z));
 }
 
 std::string place(const glm::dvec3& v) {
-    return fmt::format("({}, {}, {})", v.x, v.y, v.z);
+    return fmt::format("({:.9g}, {:.9g}, {:.9g})", v.x, v.y, v.z);
 }
 
 template <typename Vector>

@@ -10,11 +10,14 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <array>
 #include <cmath>
 #include <cstdlib>
+#include <fcntl.h>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <unistd.h>
 
 namespace lightgrid {
 namespace {
@@ -339,9 +342,25 @@ TEST_F(Cli, NamesBrokenVolumes) {
     if (fs::exists(stock)) expect_refused("info " + stock.string(), "is an OpenEXR image but not a probe volume");
 }
 
-TEST_F(Cli, WritesNoColourThatNobodyCanSee) {
-    const Result result = run("info nowhere.exr");
-    EXPECT_EQ(result.err.find('\x1b'), std::string::npos);
+TEST_F(Cli, ColoursMessagesOnATerminalOnly) {
+    const int terminal = ::posix_openpt(O_RDWR | O_NOCTTY);
+    ASSERT_EQ(::grantpt(terminal), 0);
+    ASSERT_EQ(::unlockpt(terminal), 0);
+    const std::string name = ::ptsname(terminal);
+    const int other_end = ::open(name.c_str(), O_RDWR | O_NOCTTY);  // kept, or what was written is gone at its close
+    const auto said_with = [&](const std::string& environment) {
+        static_cast<void>(shell(environment + " " LIGHTGRID_PROGRAM " info nowhere.exr 2>" + name));
+        std::array<char, 4096> text{};
+        const ssize_t size = ::read(terminal, text.data(), text.size());
+        return std::string(text.data(), size > 0 ? static_cast<std::size_t>(size) : 0);
+    };
+    const char* const escape = "\x1b[";
+    EXPECT_NE(said_with("NO_COLOR= TERM=xterm").find(escape), std::string::npos);
+    EXPECT_EQ(said_with("NO_COLOR=1 TERM=xterm").find(escape), std::string::npos);
+    EXPECT_EQ(said_with("NO_COLOR= TERM=dumb").find(escape), std::string::npos);
+    EXPECT_EQ(shell("TERM=xterm NO_COLOR= " LIGHTGRID_PROGRAM " info nowhere.exr").err.find(escape), std::string::npos);
+    ::close(other_end);
+    ::close(terminal);
 }
 
 TEST_F(Cli, ReadsTheSameLightFromHalfStorage) {

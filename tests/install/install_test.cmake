@@ -3,7 +3,10 @@ function(run)
 endfunction()
 
 file(REMOVE_RECURSE ${WORK})
-run(${CMAKE_COMMAND} --install ${BUILD} --component runtime --prefix ${WORK}/first)
+string(REPLACE "," ";" components ${COMPONENTS})
+foreach(component IN LISTS components)
+  run(${CMAKE_COMMAND} --install ${BUILD} --component ${component} --prefix ${WORK}/first)
+endforeach()
 # Packages are unpacked anywhere: no path of the first place may be in them.
 file(RENAME ${WORK}/first ${WORK}/moved)
 run(${CMAKE_COMMAND} -S ${CONSUMER} -B ${WORK}/build -G ${GENERATOR} -D CMAKE_CXX_COMPILER=${COMPILER}
