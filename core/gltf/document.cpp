@@ -153,7 +153,12 @@ std::string data_uri_bytes(std::string_view uri) {
 
 std::string read_resource(const Resource& resource) {
     try {
-        return resource.file.empty() ? data_uri_bytes(resource.data_uri) : read_whole_file(resource.file);
+        if (resource.file.empty()) return data_uri_bytes(resource.data_uri);
+        // A level that names a device or a pipe would be read for ever.
+        std::error_code ignored;
+        if (fs::exists(resource.file, ignored) && !fs::is_regular_file(resource.file, ignored))
+            throw Error("is not a regular file", resource.file.string(), "Name a file.");
+        return read_whole_file(resource.file);
     } catch (const Error& error) {
         throw error.inside(resource.name);
     }
@@ -256,6 +261,16 @@ const tinygltf::Skin& Document::skin(int index) const {
 }
 const tinygltf::Texture& Document::texture(int index) const {
     return get(model_.textures, "/textures", index);
+}
+
+std::string Document::node_name(int index) const {
+    const auto i = static_cast<std::size_t>(index);
+    return name_of("node", i, model_.nodes.at(i).name);
+}
+
+std::string Document::mesh_name(int index) const {
+    const auto i = static_cast<std::size_t>(index);
+    return name_of("mesh", i, model_.meshes.at(i).name);
 }
 
 int Document::default_scene() const {

@@ -95,6 +95,9 @@ class Document {
     [[nodiscard]] const tinygltf::Scene& scene(int index) const;
     [[nodiscard]] const tinygltf::Skin& skin(int index) const;
     [[nodiscard]] const tinygltf::Texture& texture(int index) const;
+    /// `node "lamp"`, `mesh 7`: for people.
+    [[nodiscard]] std::string node_name(int index) const;
+    [[nodiscard]] std::string mesh_name(int index) const;
     /// Throws if the file's own choice of a scene is wrong.
     [[nodiscard]] int default_scene() const;
 

@@ -208,18 +208,23 @@ std::vector<Texture> decode_textures(const Document& document, const std::vector
 
 }  // namespace
 
-std::vector<int> load_materials(const Document& document, const std::vector<bool>& used, Scene& scene,
-                                Notices& notices) {
+LoadedMaterials load_materials(const Document& document, const std::vector<bool>& used, Scene& scene,
+                               Notices& notices) {
     MaterialReader reader(document, notices);
-    std::vector<int> indices(used.size(), -1);
+    LoadedMaterials loaded;
+    loaded.indices.resize(used.size(), -1);
     for (std::size_t i = 0; i < used.size(); ++i) {
         if (!used[i]) continue;
-        indices[i] = static_cast<int>(scene.materials.size());
+        loaded.indices[i] = static_cast<int>(scene.materials.size());
         scene.materials.push_back(i == 0 ? Material() : reader.read(static_cast<int>(i) - 1));
+        loaded.names.push_back(i == 0 ? "no material" : name_of("material", i - 1, scene.materials.back().name));
     }
-    if (scene.materials.empty()) scene.materials.emplace_back();
+    if (scene.materials.empty()) {
+        scene.materials.emplace_back();
+        loaded.names.emplace_back("no material");
+    }
     scene.textures = decode_textures(document, reader.textures());
-    return indices;
+    return loaded;
 }
 
 }  // namespace lightgrid::gltf

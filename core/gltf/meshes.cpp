@@ -306,8 +306,7 @@ void load(const Document& document, const PrimitiveRequest& request, LoadedPrimi
 }
 
 std::string place_of(const Document& document, int mesh, int primitive) {
-    const std::string& name = document.model().meshes[static_cast<std::size_t>(mesh)].name;
-    return fmt::format("{}, primitive {}", name_of("mesh", static_cast<std::size_t>(mesh), name), primitive);
+    return fmt::format("{}, primitive {}", document.mesh_name(mesh), primitive);
 }
 
 }  // namespace

@@ -51,11 +51,6 @@ std::vector<int> roots_of_file(const tinygltf::Model& model) {
     return roots;
 }
 
-std::string node_name(const Document& document, int index) {
-    return name_of("node", static_cast<std::size_t>(index),
-                   document.model().nodes[static_cast<std::size_t>(index)].name);
-}
-
 }  // namespace
 
 int choose_scene(const Document& document, int wanted) {
@@ -90,7 +85,7 @@ std::vector<PlacedNode> place_nodes(const Document& document, int scene) {
         const Local local = local_transform(node);
         placed.push_back({next.index, next.parent * local.transform, next.parent * local.unscaled});
         if (!is_finite(placed.back().transform))
-            throw Error("its transform is not finite", node_name(document, next.index),
+            throw Error("its transform is not finite", document.node_name(next.index),
                         "Check its scale and its parents'.");
         add_backwards(node.children, placed.back().transform);
     }
@@ -102,7 +97,7 @@ std::vector<glm::dmat4> transforms_of(const Document& document, const PlacedNode
     const tinygltf::Value* instancing = find_extension(node.extensions, "EXT_mesh_gpu_instancing");
     if (instancing == nullptr) return {placed.transform};
     const tinygltf::Value& attributes = instancing->Get("attributes");
-    const std::string where = node_name(document, placed.index);
+    const std::string where = document.node_name(placed.index);
     const auto elements = [&](const char* name) {
         try {
             return elements_of(document, attributes.Get(name).GetNumberAsInt(), name);

@@ -12,7 +12,6 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <regex>
 #include <set>
 #include <sstream>
 
@@ -58,13 +57,10 @@ std::size_t triangles_of(const Scene& scene) {
         for (const int mesh : scene.models[static_cast<std::size_t>(instance.model)].meshes)
             count += scene.meshes[static_cast<std::size_t>(mesh)].triangles.size();
     // Those without area, or that cannot be seen, are counted in what the loader says about them.
-    const auto add_number = [&](const std::string& text, const char* pattern) {
-        std::smatch match;
-        if (std::regex_search(text, match, std::regex(pattern))) count += std::stoul(match[1]);
-    };
-    for (const std::string& notice : scene.notices) add_number(notice, "([0-9]+) triangles have no area");
+    for (const std::string& notice : scene.notices)
+        if (notice.ends_with(" triangles have no area and are left out")) count += std::stoul(notice);
     for (const LeftOut& entry : scene.left_out)
-        if (entry.what == "invisible surfaces") add_number(entry.saved, "([0-9]+) triangles");
+        if (entry.what == "invisible surfaces") count += std::stoul(entry.saved);
     return count;
 }
 

@@ -128,6 +128,8 @@ TEST(Gltf, NamesWhatIsMissing) {
     EXPECT_TRUE(contains(error_of(builder), "neither a relative path nor a data URI"));
     builder.json["buffers"] = {{{"uri", "data:application/octet-stream;base64,AAAA"}, {"byteLength", 36}}};
     EXPECT_TRUE(contains(error_of(builder), "has 3 bytes of data, but byteLength is 36"));
+    builder.json["buffers"] = {{{"uri", "/dev/zero"}, {"byteLength", 36}}};
+    EXPECT_TRUE(contains(error_of(builder), "is not a regular file"));
     EXPECT_THROW(static_cast<void>(load_level("/no/such/file.glb")), Error);
     EXPECT_THROW(static_cast<void>(load_level("/")), Error);
 }

@@ -1,0 +1,57 @@
+#include "core/gltf/shapes.h"
+
+#include "core/gltf/markers.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace lightgrid::gltf {
+namespace {
+
+/// Whether a transform can be undone in float, as tracing an instance does.
+bool can_be_undone(const glm::dmat4& transform) {
+    const auto volume = static_cast<float>(glm::determinant(glm::dmat3(transform)));
+    return std::isnormal(volume) && std::isnormal(1 / volume);
+}
+
+bool is_skinned(const tinygltf::Mesh& mesh) {
+    return std::any_of(mesh.primitives.begin(), mesh.primitives.end(),
+                       [](const tinygltf::Primitive& primitive) { return primitive.attributes.contains("JOINTS_0"); });
+}
+
+Shape::Key key_of(const tinygltf::Node& node, const tinygltf::Mesh& mesh) {
+    Shape::Key key{node.mesh, node.weights.empty() ? mesh.weights : node.weights};
+    if (std::all_of(key.weights.begin(), key.weights.end(), [](double weight) { return weight == 0; }))
+        key.weights.clear();
+    return key;
+}
+
+}  // namespace
+
+std::vector<Shape> find_shapes(const Document& document, const std::vector<PlacedNode>& nodes) {
+    std::vector<Shape> shapes;
+    std::map<Shape::Key, std::size_t> known;
+    for (const PlacedNode& placed : nodes) {
+        const tinygltf::Node& node = document.node(placed.index);
+        if (node.mesh < 0 || marker_of(node) != Marker::none) continue;
+        const tinygltf::Mesh& mesh = document.mesh(node.mesh);
+        const Shape::Key key = key_of(node, mesh);
+        if (node.skin >= 0 && is_skinned(mesh)) {
+            shapes.push_back({key, node.skin, {placed.transform}});
+            continue;
+        }
+        for (const glm::dmat4& transform : transforms_of(document, placed)) {
+            if (!can_be_undone(transform)) {
+                shapes.push_back({key, -1, {transform}});
+                continue;
+            }
+            const auto [entry, added] = known.emplace(key, shapes.size());
+            if (added) shapes.push_back({key, -1, {}});
+            shapes[entry->second].transforms.push_back(transform);
+        }
+    }
+    return shapes;
+}
+
+}  // namespace lightgrid::gltf
