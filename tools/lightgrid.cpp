@@ -71,6 +71,7 @@ void add_query(CLI::App& program) {
         ->delimiter(',')
         ->check(finite())
         ->expected(3);
+    verb->add_flag("--dering", options->dering, "Window the light at each point so that irradiance is never negative");
     verb->callback([options, sky] {
         if (!sky->empty()) options->sky = {(*sky)[0], (*sky)[1], (*sky)[2]};
         run_query(*options);

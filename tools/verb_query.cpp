@@ -11,12 +11,14 @@
 namespace lightgrid {
 namespace {
 
-void write_coefficients(const Sampler& sampler, int bands, const Points& points, const SampleOptions& options) {
+void write_coefficients(const Sampler& sampler, int bands, const Points& points, const SampleOptions& options,
+                        bool dering) {
     std::vector<std::string> columns{"x", "y", "z", "valid"};
     add_sh_columns(columns, 'c', bands);
     CsvWriter out(columns);
     for (const glm::dvec3& position : points.positions) {
-        const Sample sample = sampler.sample(position, options);
+        Sample sample = sampler.sample(position, options);
+        if (dering) dering_sh(sample.sh);
         out << position << (sample.weight > 0 ? 1 : 0);
         for (const glm::vec3& coefficient : sample.sh) out << coefficient;
         out.end_row();
@@ -24,13 +26,15 @@ void write_coefficients(const Sampler& sampler, int bands, const Points& points,
     out.finish();
 }
 
-void write_irradiance(const Sampler& sampler, int bands, const Points& points, const SampleOptions& options) {
+void write_irradiance(const Sampler& sampler, int bands, const Points& points, const SampleOptions& options,
+                      bool dering) {
     CsvWriter out({"x", "y", "z", "nx", "ny", "nz", "r", "g", "b", "valid"});
     std::vector<glm::vec3> sh(sh_size(bands));
     const auto write_row = [&](glm::dvec3 position, glm::dvec3 normal) {
         const glm::vec3 unit = unit_normal(normal);
         const glm::dvec3 biased = position + static_cast<double>(options.normal_bias) * glm::dvec3(unit);
         const float weight = sampler.sample(biased, sh, options);
+        if (dering) dering_sh(sh);
         out << position << normal << irradiance_from_sh(sh, unit) << (weight > 0 ? 1 : 0);
         out.end_row();
     };
@@ -61,8 +65,8 @@ void run_query(const QueryOptions& options) {
     how.outside = options.outside == "fade" ? Outside::fade : Outside::clamp;
     how.fade_distance = options.fade_distance;
     how.environment = environment;
-    options.sh ? write_coefficients(sampler, volume.bands, points, how)
-               : write_irradiance(sampler, volume.bands, points, how);
+    options.sh ? write_coefficients(sampler, volume.bands, points, how, options.dering)
+               : write_irradiance(sampler, volume.bands, points, how, options.dering);
 }
 
 }  // namespace lightgrid

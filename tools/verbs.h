@@ -24,6 +24,7 @@ struct QueryOptions {
     std::string outside = "clamp";  // or "fade"
     float fade_distance = 1;
     glm::vec3 sky{0};  // radiance that `fade` goes to, the same from everywhere
+    bool dering = false;  // windows the coefficients at each point so that irradiance is nowhere negative
 };
 void run_query(const QueryOptions& options);
 

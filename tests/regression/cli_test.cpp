@@ -166,6 +166,20 @@ TEST_F(Cli, QueryMovesPointsByTheNormalBias) {
     EXPECT_NEAR(csv("query hall.probes.exr --points normals.csv --normal-bias -0.5").number(0, 6), M_PI * 2.5, 1e-5);
 }
 
+TEST_F(Cli, QueryDerings) {
+    Volume volume = make_volume({{{0, 0, 0}, {1, 1, 1}, {2, 2, 2}}}, 3);
+    const std::vector<glm::vec3> lamp = delta_light_sh(3, {0, 1, 0}, glm::vec3(1));
+    for (std::size_t slot = 0; slot < volume.slots(); ++slot) {
+        if (volume.states[slot] == ProbeState::absent) continue;
+        std::copy(lamp.begin(), lamp.end(), volume.coefficients.begin() + static_cast<std::ptrdiff_t>(slot * 9));
+    }
+    save_volume(volume, folder_ / "lamp.probes.exr");
+    write("normals.csv", "x,y,z,nx,ny,nz\n0.5,0.5,0.5,0.846,-0.533,0\n");  // 122.2 degrees from the light
+    EXPECT_NEAR(csv("query lamp.probes.exr --points normals.csv").number(0, 6), -0.0396, 1e-4);
+    EXPECT_GE(csv("query lamp.probes.exr --points normals.csv --dering").number(0, 6), 0);
+    EXPECT_NEAR(csv("query lamp.probes.exr --points normals.csv --sh --dering").number(0, 4), lamp[0].x, 1e-6);
+}
+
 TEST_F(Cli, QuerySaysWhereNoLightIsKnown) {
     write("normals.csv", "x,y,z,nx,ny,nz\n1,0,0,1,0,0\n1,0,0.5,1,0,0\n");
     const CsvTable table = csv("query hall.probes.exr --points normals.csv");
