@@ -131,7 +131,7 @@ class Primitive {
 
 /// Renumbers the vertices of triangles so that only those in use remain, in their order. Returns their old numbers, or
 /// nothing if all are in use. Many primitives may share one large array of vertices: then the cost is that of their
-/// triangles, not of the array.
+/// triangles, not of the array. There is at least one triangle.
 std::vector<std::uint32_t> keep_used_vertices(Triangles& triangles, std::size_t vertex_count) {
     std::vector<std::uint32_t> used;
     const std::span<std::uint32_t> corners(&triangles.data()->x, 3 * triangles.size());
@@ -288,6 +288,10 @@ void load(const Document& document, const PrimitiveRequest& request, LoadedPrimi
     morph(primitive, request, picks, mesh.positions, position.count);
     if (request.skin >= 0 && primitive.has("JOINTS_0")) skin(document, primitive, request, picks, loaded);
     loaded.without_area = drop_triangles_without_area(mesh);
+    if (mesh.triangles.empty()) {
+        mesh.positions.clear();
+        return;
+    }
     if (loaded.without_area > 0) keep_used_vertices(mesh, picks);
     make_room_for_embree(mesh.positions);
 

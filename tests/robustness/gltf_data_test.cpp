@@ -166,21 +166,22 @@ const std::map<std::string, std::string> unremarked = {
 TEST(GltfData, BrokenFilesGetAnErrorOrANotice) {
     const fs::path folder = data_folder / "invalid-gltf-validator";
     if (!fs::is_directory(folder)) GTEST_SKIP() << "no " << folder;
-    int checked = 0;
+    int broken = 0;
     for (const auto& entry : fs::recursive_directory_iterator(folder)) {
         const std::string suffix = ".report.json";
         const std::string name = entry.path().string();
         if (!name.ends_with(suffix)) continue;
         const fs::path file = name.substr(0, name.size() - suffix.size());
         std::set<std::string> codes;
-        for (const json& message : json::parse(std::ifstream(entry.path()))["issues"]["messages"])
+        const json report = json::parse(std::ifstream(entry.path()));
+        for (const json& message : report.at("issues").at("messages"))
             if (message["severity"] == 0) codes.insert(message["code"]);
         const std::string said = remarks(file);  // for whole files too: no crash
-        ++checked;
+        broken += codes.empty() ? 0 : 1;
         if (codes.empty() || !said.empty()) continue;
         for (const std::string& code : codes) EXPECT_TRUE(unremarked.contains(code)) << file << ": " << code;
     }
-    EXPECT_GT(checked, 200);
+    EXPECT_GT(broken, 150);
 }
 
 TEST(GltfData, OtherBrokenFilesDoNoHarm) {

@@ -365,6 +365,19 @@ TEST(Gltf, DropsTrianglesWithoutAreaAndTheirVertices) {
     EXPECT_TRUE(contains(joined(scene.notices), "2 triangles have no area"));
 }
 
+TEST(Gltf, AMeshWithoutAreaIsNotThere) {
+    GltfBuilder builder = triangle();
+    builder.json["scenes"][0]["nodes"] = {0, 1, 2};
+    const int flat = builder.mesh({{"attributes", {{"POSITION", builder.vec3s({{5, 5, 5}, {6, 6, 6}, {7, 7, 7}})}}}});
+    builder.node({{"mesh", flat}});
+    builder.node({{"mesh", 0}, {"scale", {0, 1, 1}}, {"translation", {0, 0, 3}}});
+    const Scene scene = load(builder);
+    EXPECT_EQ(scene.meshes.size(), 1U);
+    EXPECT_EQ(scene.placed.size(), 1U);
+    EXPECT_EQ(scene.bounds.max.x, 1);
+    EXPECT_TRUE(contains(joined(scene.notices), "2 triangles have no area"));
+}
+
 TEST(Gltf, KeepsOnlyTheVertexDataThatLightReads) {
     GltfBuilder builder = with_material(
         {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}, {"normalTexture", {{"index", 1}}}});
