@@ -12,6 +12,9 @@ namespace {
 
 using Profile = std::vector<glm::vec2>;
 
+// Cushions lie this far off what they lie on: from within a solid, another's front would look like free space.
+constexpr float hair = 0.001F;
+
 void add_pole(Shape& shape, int material, glm::vec3 foot, float radius, float height, int segments = 12) {
     Shape pole;
     add_lathe(pole, material, Profile{{0, 0}, {radius, 0}, {radius, height}, {0, height}}, segments);
@@ -55,32 +58,34 @@ Shape chair(int wood, int cushion) {
 }
 
 Shape sofa(int fabric, int cushion, int wood, float width) {
-    constexpr float depth = 0.92F;
+    constexpr float arm = 0.21F;
     const float half = 0.5F * width;
+    const float inner = half - arm - hair;
     Shape shape;
-    add_legs(shape, wood, {half - 0.1F, 0.36F}, 0.14F, 0.025F);
-    add_rounded_box(shape, fabric, {-half, 0.12F, -0.46F}, {half, 0.34F, -0.46F + depth}, 0.05F);
-    add_rounded_box(shape, fabric, {-half, 0.2F, -0.47F}, {half, 0.82F, -0.26F}, 0.08F);
+    add_legs(shape, wood, {half - 0.1F, 0.36F}, 0.12F, 0.025F);
+    add_rounded_box(shape, fabric, {-inner, 0.12F, -0.25F}, {inner, 0.34F, 0.46F}, 0.03F);
+    add_rounded_box(shape, fabric, {-inner, 0.12F, -0.47F}, {inner, 0.82F, -0.25F - hair}, 0.08F);
     for (const float side : {-1.0F, 1.0F}) {
-        add_rounded_box(shape, fabric, {side * (half - 0.1F) - 0.11F, 0.13F, -0.46F},
-                        {side * (half - 0.1F) + 0.11F, 0.6F, 0.47F}, 0.075F);
+        const float middle = side * (half - 0.5F * arm);
+        add_rounded_box(shape, fabric, {middle - 0.5F * arm, 0.12F, -0.47F}, {middle + 0.5F * arm, 0.6F, 0.47F},
+                        0.075F);
     }
     const int seats = std::max(1, static_cast<int>(std::round((width - 0.4F) / 0.75F)));
-    const float seat = (width - 0.42F) / static_cast<float>(seats);
+    const float seat = 2 * inner / static_cast<float>(seats);
     for (int i = 0; i < seats; ++i) {
-        const float left = -half + 0.21F + seat * static_cast<float>(i);
-        add_rounded_box(shape, fabric, {left, 0.31F, -0.3F}, {left + seat, 0.47F, 0.48F}, 0.06F);
+        const float left = -inner + seat * static_cast<float>(i);
+        add_rounded_box(shape, fabric, {left, 0.34F + hair, -0.25F}, {left + seat - hair, 0.47F, 0.48F}, 0.06F);
         Shape back;
         add_rounded_box(back, fabric, {0.01F, 0, -0.08F}, {seat - 0.01F, 0.46F, 0.09F}, 0.075F);
-        const glm::mat4 lean = glm::rotate(glm::translate(glm::mat4(1), {left, 0.45F, -0.16F}), -0.16F, {1, 0, 0});
+        const glm::mat4 lean = glm::rotate(glm::translate(glm::mat4(1), {left, 0.48F, -0.08F}), -0.16F, {1, 0, 0});
         append(shape, back, lean);
     }
     for (const float side : {-1.0F, 1.0F}) {
         Shape loose;
         add_rounded_box(loose, cushion, {-0.2F, -0.2F, -0.07F}, {0.2F, 0.2F, 0.07F}, 0.069F);
-        glm::mat4 place = glm::translate(glm::mat4(1), {side * (half - 0.42F), 0.64F, 0.04F});
-        place = glm::rotate(place, -side * 0.35F, {0, 1, 0});
-        place = glm::rotate(place, -0.32F, {1, 0, 0});
+        glm::mat4 place = glm::translate(glm::mat4(1), {side * (inner - 0.22F), 0.685F, 0.11F});
+        place = glm::rotate(place, -side * 0.3F, {0, 1, 0});
+        place = glm::rotate(place, -0.25F, {1, 0, 0});
         append(shape, loose, glm::rotate(place, side * 0.12F, {0, 0, 1}));
     }
     return shape;
@@ -88,16 +93,16 @@ Shape sofa(int fabric, int cushion, int wood, float width) {
 
 Shape armchair(int fabric, int cushion, int wood) {
     Shape shape;
-    add_legs(shape, wood, {0.32F, 0.3F}, 0.18F, 0.022F);
-    add_rounded_box(shape, fabric, {-0.4F, 0.16F, -0.38F}, {0.4F, 0.34F, 0.4F}, 0.06F);
-    add_rounded_box(shape, cushion, {-0.29F, 0.32F, -0.26F}, {0.29F, 0.46F, 0.42F}, 0.06F);
+    add_legs(shape, wood, {0.32F, 0.3F}, 0.16F, 0.022F);
+    add_rounded_box(shape, fabric, {-0.27F, 0.16F, -0.26F}, {0.27F, 0.34F, 0.4F}, 0.04F);
+    add_rounded_box(shape, cushion, {-0.268F, 0.34F + hair, -0.25F}, {0.268F, 0.46F, 0.42F}, 0.055F);
     for (const float side : {-1.0F, 1.0F}) {
-        add_rounded_box(shape, fabric, {side * 0.34F - 0.07F, 0.18F, -0.38F}, {side * 0.34F + 0.07F, 0.58F, 0.39F},
-                        0.065F);
+        const float middle = side * (0.34F + hair);
+        add_rounded_box(shape, fabric, {middle - 0.07F, 0.16F, -0.26F}, {middle + 0.07F, 0.58F, 0.39F}, 0.065F);
     }
     Shape back;
-    add_rounded_box(back, fabric, {-0.4F, 0, -0.09F}, {0.4F, 0.72F, 0.09F}, 0.085F);
-    append(shape, back, glm::rotate(glm::translate(glm::mat4(1), {0, 0.24F, -0.32F}), -0.22F, {1, 0, 0}));
+    add_rounded_box(back, fabric, {-0.41F, 0, -0.09F}, {0.41F, 0.72F, 0.09F}, 0.085F);
+    append(shape, back, glm::rotate(glm::translate(glm::mat4(1), {0, 0.22F, -0.35F}), -0.22F, {1, 0, 0}));
     return shape;
 }
 

@@ -1,15 +1,13 @@
 #include "tools/canvas.h"
 
 #include "core/error.h"
+#include "tools/lettering.h"
 
-#include <stb_easy_font.h>
 #include <stb_image_write.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 
 namespace lightgrid {
 
@@ -52,23 +50,33 @@ void Canvas::paste(const Canvas& other, glm::ivec2 corner) {
     }
 }
 
-int Canvas::text(glm::ivec2 corner, const std::string& text, glm::vec3 color, int scale) {
-    struct Vertex {
-        float x, y, z;
-        std::uint32_t color;
-    };
-    std::string copy = text;                         // the font's interface is not const
-    std::vector<Vertex> vertices(80 * copy.size());  // twice what its documentation expects
-    const int quads = stb_easy_font_print(0, 0, copy.data(), nullptr, vertices.data(),
-                                          static_cast<int>(vertices.size() * sizeof(Vertex)));
-    for (int quad = 0; quad < quads; ++quad) {
-        const Vertex& low = vertices[static_cast<std::size_t>(quad) * 4];
-        const Vertex& high = vertices[static_cast<std::size_t>(quad) * 4 + 2];
-        const glm::ivec2 from(std::lround(low.x), std::lround(low.y));
-        const glm::ivec2 to(std::lround(high.x), std::lround(high.y));
-        fill(corner + scale * from, scale * (to - from), color);
+int Canvas::text(glm::ivec2 corner, const std::string& text, glm::vec3 color, float cap_height) {
+    const float half_pen = std::max(0.06F * cap_height, 0.6F);
+    const Lettering lettering = letter(text, cap_height);
+    // Coverage first: strokes that cross must not darken twice.
+    const glm::ivec2 size(static_cast<int>(lettering.width) + 4, static_cast<int>(1.5F * cap_height) + 4);
+    std::vector<float> cover(static_cast<std::size_t>(size.x) * size.y, 0.0F);
+    for (const Stroke& stroke : lettering.strokes) {
+        const glm::vec2 along = stroke.to - stroke.from;
+        const glm::ivec2 low = glm::max(glm::ivec2(glm::min(stroke.from, stroke.to) - half_pen), glm::ivec2(0));
+        const glm::ivec2 high =
+            glm::min(glm::ivec2(glm::max(stroke.from, stroke.to) + half_pen + 3.0F), size - glm::ivec2(1));
+        for (int y = low.y; y <= high.y; ++y) {
+            for (int x = low.x; x <= high.x; ++x) {
+                const glm::vec2 from_start = glm::vec2(x, y) + 0.5F - 1.5F - stroke.from;
+                const float t = glm::clamp(glm::dot(from_start, along) / glm::dot(along, along), 0.0F, 1.0F);
+                const float distance = glm::length(from_start - t * along);
+                float& pixel = cover[static_cast<std::size_t>(y) * size.x + x];
+                pixel = std::max(pixel, glm::clamp(half_pen + 0.5F - distance, 0.0F, 1.0F));
+            }
+        }
     }
-    return scale * stb_easy_font_width(copy.data());
+    for (int y = 0; y < size.y; ++y) {
+        for (int x = 0; x < size.x; ++x) {
+            blend(corner.x + x - 1, corner.y + y - 1, color, cover[static_cast<std::size_t>(y) * size.x + x]);
+        }
+    }
+    return static_cast<int>(lettering.width);
 }
 
 void Canvas::write_png(const std::filesystem::path& path) const {

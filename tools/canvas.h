@@ -26,8 +26,8 @@ struct Canvas {
     /// A disc, and a ring of a pixel or so around it, both with smooth edges.
     void disc(glm::vec2 center, float radius, glm::vec3 color, glm::vec3 ring, float ring_width);
     void paste(const Canvas& other, glm::ivec2 corner);
-    /// A line of text; `corner` is its upper left. Returns its width.
-    int text(glm::ivec2 corner, const std::string& text, glm::vec3 color, int scale = 2);
+    /// A line of text; `corner` is the upper left of its capitals. Returns its width.
+    int text(glm::ivec2 corner, const std::string& text, glm::vec3 color, float cap_height = 11);
 
     /// Throws Error (Fault::work) where the file cannot be written.
     void write_png(const std::filesystem::path& path) const;

@@ -31,16 +31,19 @@ struct Axis {
     [[nodiscard]] double place(double value) const {
         return start + (end - start) * std::log(std::clamp(value, first, last) / first) / std::log(last / first);
     }
-    /// 1, 2 and 5 times powers of ten within the axis.
+    /// Round numbers within the axis: 1, 2 and 5 times powers of ten, more where these are few.
     [[nodiscard]] std::vector<double> marks() const {
-        std::vector<double> all;
-        for (double decade = std::pow(10, std::floor(std::log10(first))); decade <= last; decade *= 10) {
-            for (const double step : {1.0, 2.0, 5.0}) {
-                const double value = step * decade;
-                if (value >= first * 0.999 && value <= last * 1.001) all.push_back(value);
+        const auto within = [&](std::initializer_list<double> steps) {
+            std::vector<double> all;
+            for (double decade = std::pow(10, std::floor(std::log10(first))); decade <= last; decade *= 10) {
+                for (const double step : steps) {
+                    if (step * decade >= first && step * decade <= last) all.push_back(step * decade);
+                }
             }
-        }
-        return all;
+            return all;
+        };
+        const std::vector<double> few = within({1, 2, 5});
+        return few.size() >= 4 ? few : within({1, 1.5, 2, 3, 4, 5, 6, 8});
     }
 };
 

@@ -1,6 +1,7 @@
 #include "tools/lit_level.h"
 
 #include "core/parallel.h"
+#include "core/sampling.h"
 #include "core/scene.h"
 #include "core/sh.h"
 
@@ -23,35 +24,32 @@ struct Look {
 /// What is seen along a ray; with `cut` it starts on a cut, which may go through a solid.
 Look look(const LitLevel& level, glm::dvec3 from, glm::dvec3 direction, bool cut) {
     const Scene& scene = level.tracer->scene();
-    const glm::vec3 along(direction);
-    const glm::vec3 origin(from - scene.origin);
-    glm::vec3 through(1);
-    Hit hit;
     Look seen;
     if (cut && looks_solid(*level.tracer, from)) {
         seen.section = true;
         seen.depth = 0;
         return seen;
     }
-    for (int layer = 0; layer < most_layers; ++layer) {
+    const glm::vec3 along(direction);
+    const glm::vec3 origin(from - scene.origin);
+    glm::vec3 through(1);
+    Hit hit;
+    for (int layer = 0; layer < most_layers && through != glm::vec3(0); ++layer) {
         hit = level.tracer->closest_hit(origin, along, std::numeric_limits<float>::infinity(), hit);
         if (!hit.found()) {
             seen.radiance += through * level.environment->radiance(along);
             break;
         }
+        if (layer == 0) seen.depth = hit.distance;
         const Surface surface = level.tracer->surface(hit, along);
-        const Material& material = scene.materials[surface.mesh->material];
-        if (layer == 0)
-            seen.depth = static_cast<float>(glm::dot(glm::dvec3(surface.position) + scene.origin - from, direction));
         const SurfacePoint point = surface_at(scene, *surface.mesh, hit.id.triangle, hit.barycentric);
         const glm::vec3 normal = surface.front ? surface.normal : -surface.normal;
-        const glm::vec3 irradiance = glm::max(
-            level.sampler->irradiance(glm::dvec3(surface.position) + scene.origin, normal, level.look_up), 0.0F);
-        glm::vec3 own = point.albedo * (1 - point.transmission) * irradiance * std::numbers::inv_pi_v<float>;
-        if (surface.front || material.double_sided) own += point.emission;
-        seen.radiance += through * point.alpha * own;
-        through *= (1 - point.alpha) + point.alpha * point.transmission * point.tint;
-        if (through == glm::vec3(0)) break;
+        const glm::dvec3 position = glm::dvec3(surface.position) + scene.origin;
+        const glm::vec3 irradiance = glm::max(level.sampler->irradiance(position, normal, level.look_up), 0.0F);
+        seen.radiance += through * reflected_share(point) * irradiance * std::numbers::inv_pi_v<float>;
+        const bool emits = surface.front || scene.materials[surface.mesh->material].double_sided;
+        if (emits) seen.radiance += through * point.alpha * point.emission;
+        through *= passed_share(point);
     }
     return seen;
 }
@@ -145,9 +143,9 @@ std::vector<glm::vec3> environment_sh(const Environment& environment, int bands)
     std::vector<double> basis(sh_size(bands));
     std::vector<glm::dvec3> sums(sh_size(bands), glm::dvec3(0));
     for (int i = 0; i < samples; ++i) {
-        // The R3 sequence: multiples of powers of the root of x^4 = x + 1 (Roberts 2018).
-        const glm::dvec3 u = glm::fract((i + 0.5) * glm::dvec3(0.8191725134, 0.6710436067, 0.5497004779));
-        const Environment::Sample sample = environment.sample(glm::vec3(u));
+        const auto index = static_cast<std::uint32_t>(i);
+        const glm::vec3 u(sobol_point(index, 1).x, sobol_point(index, 0));
+        const Environment::Sample sample = environment.sample(u);
         if (!(sample.pdf > 0)) continue;
         sh_basis(bands, glm::normalize(glm::dvec3(sample.direction)), basis);
         for (std::size_t k = 0; k < sums.size(); ++k) {
@@ -172,10 +170,6 @@ bool looks_solid(const Tracer& tracer, glm::dvec3 position) {
         if (hit.found() && !tracer.surface(hit, axis).front) ++backs;
     }
     return backs >= 4;
-}
-
-float luminance(glm::vec3 linear) {
-    return glm::dot(linear, glm::vec3(0.2126F, 0.7152F, 0.0722F));
 }
 
 float automatic_exposure(const RadianceImage& light) {

@@ -70,8 +70,6 @@ struct View {
 /// A point that sees back faces along four or more of the six axes. Good for drawing, no proof.
 [[nodiscard]] bool looks_solid(const Tracer& tracer, glm::dvec3 position);
 
-[[nodiscard]] float luminance(glm::vec3 linear);
-
 /// 0.16 over the geometric mean of the luminance: puts what is seen in the middle of the display's range.
 [[nodiscard]] float automatic_exposure(const RadianceImage& light);
 

@@ -1,6 +1,7 @@
 #include "tools/pictures.h"
 
 #include "core/parallel.h"
+#include "core/sampling.h"
 #include "core/sh.h"
 
 #include <fmt/format.h>
@@ -160,9 +161,9 @@ void draw_legend(Canvas& canvas, glm::ivec2 corner, int height, const Scale& sca
         const int y =
             corner.y + static_cast<int>(std::lround((1 - scale.place(mark(number))) * static_cast<float>(height - 1)));
         canvas.fill({corner.x + bar, y}, {7, 1}, ink);
-        canvas.text({corner.x + bar + 12, y - 8}, fmt::format("{}", mark(number)), ink);
+        canvas.text({corner.x + bar + 12, y - 5}, fmt::format("{}", mark(number)), ink);
     }
-    canvas.text({corner.x, corner.y - line_height - 4}, "lux", ink);
+    canvas.text({corner.x, corner.y - line_height}, "lux", ink);
 }
 
 /// One metre, or a power of ten of it that suits the width.
@@ -172,7 +173,7 @@ void draw_metre(Canvas& canvas, glm::ivec2 corner, double pixels_per_metre, int 
     canvas.fill(corner, {pixels, 3}, ink);
     canvas.fill(corner - glm::ivec2(0, 4), {1, 11}, ink);
     canvas.fill(corner + glm::ivec2(pixels, -4), {1, 11}, ink);
-    canvas.text(corner + glm::ivec2(pixels + 10, -6), fmt::format("{} m", length), ink);
+    canvas.text(corner + glm::ivec2(pixels + 10, -4), fmt::format("{} m", length), ink);
 }
 
 // ---- probes --------------------------------------------------------------------------------------------------------
@@ -293,7 +294,7 @@ Canvas draw_slices(const LitLevel& level, const Volume& volume, const PictureOpt
 
     Canvas canvas(options.width, height, paper);
     glm::ivec2 corner(margin, margin);
-    canvas.text(corner, "Irradiance in the volume, mean over all directions", ink, 3);
+    canvas.text(corner, "Irradiance in the volume, mean over all directions", ink, 17);
     corner.y += 2 * line_height;
     const int top = corner.y + line_height;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -333,10 +334,9 @@ Canvas draw_probes(const LitLevel& level, const Volume& volume, const PictureOpt
     const View front_view = render(level, south, front_size, 3);
     const float exposure = options.exposure.value_or(automatic_exposure(front_view.light));
 
-    const int key_height = 2 * line_height;
-    Canvas canvas(options.width, 2 * margin + key_height + plan_size.y + front_size.y + 5 * line_height, paper);
+    Canvas canvas(options.width, 2 * margin + plan_size.y + front_size.y + 7 * line_height, paper);
     glm::ivec2 corner(margin, margin);
-    canvas.text(corner, "Probes under their own light", ink, 3);
+    canvas.text(corner, "Probes under their own light", ink, 17);
     corner.y += 2 * line_height;
     const auto draw = [&](const std::string& title, const View& view, const Camera& camera, const Layer& layer) {
         canvas.text(corner, title, faint_ink);
@@ -352,12 +352,13 @@ Canvas draw_probes(const LitLevel& level, const Volume& volume, const PictureOpt
     corner.y += line_height / 2;
     constexpr std::array<std::pair<ProbeState, const char*>, 4> keys{
         {{ProbeState::valid, "valid"},
-         {ProbeState::moved, "moved out of a solid"},
          {ProbeState::filled, "inside a solid, filled from neighbours"},
+         {ProbeState::moved, "moved out of a solid"},
          {ProbeState::missing, "no light known"}}};
-    for (const auto& [state, name] : keys) {
-        canvas.disc(glm::vec2(corner) + glm::vec2(8), 6, paper, state_color(state), 3);
-        corner.x += 26 + canvas.text(corner + glm::ivec2(24, 0), name, ink) + 24;
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+        const glm::ivec2 at = corner + glm::ivec2(i / 2 * 330, i % 2 * line_height);
+        canvas.disc(glm::vec2(at) + glm::vec2(8, 6), 6, paper, state_color(keys[i].first), 3);
+        canvas.text(at + glm::ivec2(24, 0), keys[i].second, ink);
     }
     return canvas;
 }
