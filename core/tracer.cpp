@@ -99,6 +99,10 @@ struct Candidate {
     }
 };
 
+/// Where rays start: beyond a surface that their origin is exactly on. Small enough for any level, and large enough not
+/// to be flushed to zero when Embree scales it by a triangle's area.
+constexpr float ray_start = 1e-25F;
+
 /// The order in which a ray meets surfaces.
 struct Depth {
     float distance = -1;
@@ -370,7 +374,7 @@ Hit Tracer::closest_hit(glm::vec3 origin, glm::vec3 direction, float max_distanc
     ClosestQuery query;
     init(&query.context);
     query.max_distance = max_distance;
-    float start = 0;
+    float start = ray_start;
     if (behind.found()) {
         query.behind = {behind.distance, behind.id};
         start = std::nextafter(behind.distance, 0.0F);  // what is opaque and coincides comes next
@@ -422,7 +426,8 @@ glm::vec3 Tracer::transmittance(glm::vec3 origin, glm::vec3 direction, float max
     ShadowQuery query;
     init(&query.context);
     query.max_distance = max_distance;
-    RTCRay ray{origin.x, origin.y, origin.z, 0, direction.x, direction.y, direction.z, 0, max_distance, ~0U, 0, 0};
+    RTCRay ray{origin.x,    origin.y, origin.z,     ray_start, direction.x, direction.y,
+               direction.z, 0,        max_distance, ~0U,       0,           0};
     occluded(impl_->root.get(), &query.context, &ray);
     return ray.tfar < 0 ? glm::vec3(0) : query.transmittance;
 }

@@ -60,7 +60,7 @@ class Tracer {
     [[nodiscard]] std::size_t triangle_count() const noexcept;  // instances counted each
 
     /// First surface along the ray that MASK does not cut away. BLEND and transmitting surfaces are hits: what passes
-    /// them is for the caller to decide, who goes on with `behind`.
+    /// them is for the caller to decide, who goes on with `behind`. A surface that the origin is exactly on is not met.
     ///
     /// direction  any length but 0; distances are in units of it
     /// behind     an earlier hit of the same ray, on a surface that passes light: only what comes after it is found.

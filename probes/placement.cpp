@@ -1,15 +1,14 @@
 #include "probes/placement.h"
 
+#include "core/error.h"
+#include "core/parallel.h"
+#include "core/sampling.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
-
-#include "core/error.h"
-#include "core/parallel.h"
-#include "core/sampling.h"
 
 namespace lightgrid {
 namespace {
@@ -22,15 +21,17 @@ constexpr std::uint32_t evidence_rays = 64;
 constexpr float crack_share = 0.1F;
 /// Free space in real levels sees up to two thirds back faces; inside rock it is nearly all.
 constexpr float inside_score = 0.85F;
-/// Of the spacing: nearer to a surface than this, a probe is moved. Less lets probes into cracks that their cells do not
-/// look like: with 0.01 one between a ceiling and the lamp below it doubles the error of a whole Cornell box.
+/// Of the spacing: nearer to a surface than this, a probe is moved. Less lets probes into cracks that their cells do
+/// not look like: with 0.01 one between a ceiling and the lamp below it doubles the error of a whole Cornell box.
 constexpr float clearance_share = 0.1F;
-constexpr int most_candidates = 32;
+
+/// Of a step: a surface this near is one that the probe is on, and both of its sides are open to it.
+constexpr float on_surface = 0.05F;
 
 struct Sight {
     float distance;
-    bool back;  // of a surface that is opaque and one-sided
-    glm::vec3 direction;
+    bool back;           // of a surface that is opaque and one-sided: only there the inside is not meant to be seen
+    glm::vec3 to_plane;  // the shortest way to the plane of what was met
 };
 
 struct Surroundings {
@@ -50,15 +51,18 @@ Surroundings look_around(const Tracer& tracer, glm::vec3 point) {
         const Surface surface = tracer.surface(hit, direction);
         const Material& material = tracer.scene().materials[surface.mesh->material];
         const bool tells = !material.double_sided && !material.passes_light();
-        seen.hits.push_back({hit.distance, tells && !surface.front, direction});
+        seen.hits.push_back({hit.distance, tells && !surface.front,
+                             hit.distance * glm::dot(direction, surface.normal) * surface.normal});
     }
-    std::sort(seen.hits.begin(), seen.hits.end(), [](const Sight& a, const Sight& b) { return a.distance < b.distance; });
+    std::sort(seen.hits.begin(), seen.hits.end(),
+              [](const Sight& a, const Sight& b) { return a.distance < b.distance; });
     return seen;
 }
 
 /// Back faces as evidence: over all rays and over the nearest quarter of them, in equal parts.
 bool looks_inside(const Surroundings& seen, bool has_sky) {
-    if (seen.hits.empty() || (has_sky && seen.escaped > crack_share)) return false;
+    if (seen.hits.empty()) return !has_sky;
+    if (has_sky && seen.escaped > crack_share) return false;
     const auto back_faces = [&](std::size_t count) {
         const auto end = seen.hits.begin() + static_cast<std::ptrdiff_t>(count);
         return static_cast<float>(std::count_if(seen.hits.begin(), end, [](const Sight& s) { return s.back; }));
@@ -71,55 +75,75 @@ bool looks_inside(const Surroundings& seen, bool has_sky) {
 
 /// A surface within about `clearance`: seven lines through the point, so that no plane slips between them.
 bool touches(const Tracer& tracer, glm::vec3 point, float clearance) {
-    static constexpr std::array<glm::vec3, 7> lines = {
-        {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.58F, 0.58F, 0.58F}, {-0.58F, 0.58F, 0.58F}, {0.58F, -0.58F, 0.58F},
-         {0.58F, 0.58F, -0.58F}}};
+    static constexpr std::array<glm::vec3, 7> lines = {{{1, 0, 0},
+                                                        {0, 1, 0},
+                                                        {0, 0, 1},
+                                                        {0.58F, 0.58F, 0.58F},
+                                                        {-0.58F, 0.58F, 0.58F},
+                                                        {0.58F, -0.58F, 0.58F},
+                                                        {0.58F, 0.58F, -0.58F}}};
     return std::any_of(lines.begin(), lines.end(), [&](glm::vec3 line) {
         return tracer.closest_hit(point - clearance * line, 2 * clearance * line, 1).found();
     });
 }
 
-/// The least offset that frees the point, or none, by the surroundings alone. `reach`: the most along each axis.
-std::optional<glm::vec3> freeing_offset(const Tracer& tracer, glm::vec3 point, const Surroundings& seen, glm::vec3 reach,
-                                        float clearance, const Box& limits, bool has_sky) {
+/// Nothing is in the way but the surface of a solid that `from` may be inside of. What comes behind that, from whatever
+/// side, is a wall.
+bool reaches(const Tracer& tracer, glm::vec3 from, glm::vec3 to) {
+    const glm::vec3 direction = to - from;
+    const Hit hit = tracer.closest_hit(from, direction, 1);
+    if (!hit.found()) return true;
+    const Surface surface = tracer.surface(hit, direction);
+    if (surface.front) return false;
+    return !tracer.closest_hit(surface.leave(direction), direction, std::max(0.0F, 1 - hit.distance)).found();
+}
+
+/// A probe that has to move, and how far it may.
+struct Stuck {
+    glm::vec3 point{0};
+    Surroundings seen;
+    bool touching;  // too near to a surface: a step to any side may do
+    bool inside;    // the ways out are those to the planes whose back faces it sees
+    bool in_shell;  // it looks as if it were inside, but there is light
+    float clearance;
+    glm::vec3 reach{0};  // the most along each axis
+    Box limits;
+};
+
+/// The least offset that frees the probe, or none, by the surroundings alone: light is too costly to ask here.
+std::optional<glm::vec3> freeing_offset(const Tracer& tracer, const Stuck& probe, bool has_sky) {
+    const float step = 2 * probe.clearance;
     std::vector<glm::vec3> candidates;
-    for (const Sight& sight : seen.hits) {
-        if (sight.back) candidates.push_back(sight.direction * (sight.distance + 2 * clearance));
+    for (const Sight& sight : probe.seen.hits) {
+        const float height = glm::length(sight.to_plane);
+        if (probe.inside && sight.back && height > 0) candidates.push_back(sight.to_plane * ((height + step) / height));
     }
-    for (std::uint32_t i = 0; i < evidence_rays; ++i) {
-        candidates.push_back(sphere_direction(sobol_point(i, 0)) * (2 * clearance));
+    for (int i = 0; probe.touching && i < 27; ++i) {
+        if (i != 13) candidates.push_back(step * glm::vec3(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1));
+    }
+    for (std::uint32_t i = 0; probe.touching && i < evidence_rays; ++i) {
+        candidates.push_back(2 * step * sphere_direction(sobol_point(i, 0)));
     }
     std::erase_if(candidates, [&](glm::vec3 offset) {
-        const glm::dvec3 place = glm::dvec3(point) + glm::dvec3(offset);
-        return glm::any(glm::greaterThan(glm::abs(offset), reach)) || glm::any(glm::lessThan(place, limits.min)) ||
-               glm::any(glm::greaterThan(place, limits.max));
+        const glm::dvec3 place = glm::dvec3(probe.point) + glm::dvec3(offset);
+        return glm::any(glm::greaterThan(glm::abs(offset), probe.reach)) ||
+               glm::any(glm::lessThan(place, probe.limits.min)) || glm::any(glm::greaterThan(place, probe.limits.max));
     });
     std::stable_sort(candidates.begin(), candidates.end(),
                      [](glm::vec3 a, glm::vec3 b) { return glm::dot(a, a) < glm::dot(b, b); });
-    const std::size_t tried = std::min<std::size_t>(candidates.size(), most_candidates);
-    for (std::size_t i = 0; i < tried; ++i) {
-        const glm::vec3 moved = point + candidates[i];
-        if (!touches(tracer, moved, clearance) && !looks_inside(look_around(tracer, moved), has_sky)) return candidates[i];
-    }
-    return {};
-}
-
-/// No front face between a probe that may be inside something and a neighbour: leaving through back faces is no hindrance.
-bool reaches(const Tracer& tracer, glm::vec3 from, glm::vec3 to) {
-    constexpr int most_layers = 16;
-    const glm::vec3 direction = to - from;
-    glm::vec3 origin = from;
-    float left = 1;
-    for (int layer = 0; layer < most_layers; ++layer) {
-        const Hit hit = tracer.closest_hit(origin, direction, left);
-        if (!hit.found()) return true;
-        const Surface surface = tracer.surface(hit, direction);
-        if (surface.front) return false;
-        origin = surface.leave(direction);
-        left -= hit.distance;
-        if (left <= 0) return true;
-    }
-    return false;
+    const auto same = std::unique(candidates.begin(), candidates.end(), [&](glm::vec3 a, glm::vec3 b) {
+        return glm::distance(a, b) < 0.1F * probe.clearance;  // seen on the same plane
+    });
+    candidates.erase(same, candidates.end());
+    const auto found = std::find_if(candidates.begin(), candidates.end(), [&](glm::vec3 offset) {
+        const glm::vec3 start = probe.point + on_surface * offset;
+        const glm::vec3 place = probe.point + offset;
+        const bool open =
+            probe.inside ? reaches(tracer, start, place) : !tracer.closest_hit(start, place - start, 1).found();
+        return open && !touches(tracer, place, probe.clearance) &&
+               (probe.in_shell || !looks_inside(look_around(tracer, place), has_sky));
+    });
+    return found == candidates.end() ? std::nullopt : std::optional(*found);
 }
 
 /// Lattice coordinates of every slot of one grid, and back.
@@ -201,7 +225,9 @@ void apply(Volume& volume, const Filling& filling) {
     volume.states[filling.slot] = ProbeState::filled;
 }
 
-glm::dvec3 with_room(glm::dvec3 size, double least) { return glm::max(size, glm::dvec3(least)); }
+glm::dvec3 with_room(glm::dvec3 size, double least) {
+    return glm::max(size, glm::dvec3(least));
+}
 
 double automatic_spacing(const std::vector<Box>& boxes) {
     double volume = 0;
@@ -246,6 +272,21 @@ std::vector<Grid> span_boxes(const std::vector<Box>& boxes, double spacing) {
     return grids;
 }
 
+/// `spacing`, or the first of a series of larger ones with which the boxes hold no more than max_probes; rounded up to
+/// four digits, so that a user can ask for it.
+double spacing_within(const std::vector<Box>& boxes, double spacing, std::int64_t max_probes) {
+    if (static_cast<double>(8 * boxes.size()) > static_cast<double>(max_probes)) {
+        throw Error(
+            fmt::format("{} boxes need at least 8 probes each, more than --max-probes {}", boxes.size(), max_probes),
+            "--max-probes", "Allow more probes or give fewer boxes");
+    }
+    while (probe_count(span_boxes(boxes, spacing)) > static_cast<double>(max_probes)) {
+        const double digit = std::pow(10, std::floor(std::log10(spacing)) - 3);
+        spacing = std::ceil(1.05 * spacing / digit) * digit;
+    }
+    return spacing;
+}
+
 }  // namespace
 
 GridChoice choose_grids(const Scene& scene, const PlacementOptions& options) {
@@ -261,35 +302,19 @@ GridChoice choose_grids(const Scene& scene, const PlacementOptions& options) {
     }
     if (boxes.empty()) return {{}, "no surfaces and no boxes: one probe at the origin"};
 
-    GridChoice choice;
-    if (options.spacing) {
-        choice.grids = span_boxes(boxes, *options.spacing);
-        const double count = probe_count(choice.grids);
-        if (count > static_cast<double>(options.max_probes)) {
-            const double factor = std::cbrt(count / static_cast<double>(options.max_probes));
-            throw Error(fmt::format("a spacing of {:.4g} m makes {:.0f} probes ({:.3g} GB), more than --max-probes {}",
-                                    *options.spacing, count, count * 450e-9, options.max_probes),
-                        "--spacing",
-                        fmt::format("Use --spacing {:.3g}, a smaller --volume, or a larger --max-probes",
-                                    *options.spacing * factor * 1.05));
-        }
-        choice.why = fmt::format("{:.4g} m as asked, over {}", *options.spacing, over);
-        return choice;
+    const double wanted = options.spacing.value_or(automatic_spacing(boxes));
+    const double spacing = spacing_within(boxes, wanted, options.max_probes);
+    if (options.spacing && spacing > wanted) {
+        const double count = probe_count(span_boxes(boxes, wanted));
+        throw Error(fmt::format("a spacing of {:.4g} m makes {:.0f} probes ({:.3g} GB), more than --max-probes {}",
+                                wanted, count, count * 450e-9, options.max_probes),
+                    "--spacing",
+                    fmt::format("Use --spacing {:.4g}, a smaller --volume, or a larger --max-probes", spacing));
     }
-    double spacing = automatic_spacing(boxes);
-    choice.grids = span_boxes(boxes, spacing);
-    while (probe_count(choice.grids) > static_cast<double>(options.max_probes)) {
-        const double before = probe_count(choice.grids);
-        spacing *= 1.1;
-        choice.grids = span_boxes(boxes, spacing);
-        if (probe_count(choice.grids) < before || spacing < 1e30) continue;
-        throw Error(fmt::format("{} boxes need at least 8 probes each, more than --max-probes {}", boxes.size(),
-                                options.max_probes),
-                    "--max-probes", "Allow more probes or give fewer boxes");
-    }
-    choice.why = fmt::format("{:.4g} m, for about {:.0f} probes over {}", spacing,
-                             std::min(automatic_probes, static_cast<double>(options.max_probes)), over);
-    return choice;
+    return {span_boxes(boxes, spacing),
+            options.spacing ? fmt::format("{:.4g} m as asked, over {}", spacing, over)
+                            : fmt::format("{:.4g} m, for about {:.0f} probes over {}", spacing,
+                                          std::min(automatic_probes, static_cast<double>(options.max_probes)), over)};
 }
 
 bool is_free(const Tracer& tracer, glm::vec3 point, float clearance, const LightEvidence& light) {
@@ -302,24 +327,25 @@ PlacementCounts place_probes(Volume& volume, const Tracer& tracer, const LightEv
     std::vector<glm::vec3> offsets(volume.slots(), glm::vec3(0));
     const std::size_t grid_slots = volume.bricks.size() * probes_per_brick;
     for_each_index(volume.slots(), [&](std::size_t slot) {
-        if (volume.states[slot] == ProbeState::absent) return;
-        const glm::vec3 place(lattice_position(volume, slot) - origin);
-        const Surroundings seen = look_around(tracer, place);
-        if (slot >= grid_slots) {  // a list: never moved
-            volume.states[slot] = looks_inside(seen, light.has_sky) && !light.is_lit(place) ? ProbeState::missing : ProbeState::valid;
-            return;
-        }
+        ProbeState& state = volume.states[slot];
+        if (state == ProbeState::absent) return;
+        Stuck probe;
+        probe.point = glm::vec3(lattice_position(volume, slot) - origin);
+        probe.seen = look_around(tracer, probe.point);
+        probe.in_shell = looks_inside(probe.seen, light.has_sky) && light.is_lit(probe.point);
+        probe.inside = looks_inside(probe.seen, light.has_sky) && !probe.in_shell;
+        state = probe.inside ? ProbeState::missing : ProbeState::valid;
+        if (slot >= grid_slots) return;  // a list: never moved
+
         const Grid& grid = volume.grids[volume.bricks[slot / probes_per_brick].grid];
-        const glm::vec3 spacing(grid.spacing);
-        const float clearance = clearance_share * std::min({spacing.x, spacing.y, spacing.z});
-        if (!touches(tracer, place, clearance) && (!looks_inside(seen, light.has_sky) || light.is_lit(place))) {
-            volume.states[slot] = ProbeState::valid;
-            return;
-        }
-        const Box limits{grid.origin - origin, grid.position(grid.counts - 1) - origin};
-        const std::optional<glm::vec3> offset =
-            freeing_offset(tracer, place, seen, 0.5F * spacing, clearance, limits, light.has_sky);
-        volume.states[slot] = offset ? ProbeState::moved : ProbeState::missing;
+        probe.reach = glm::vec3(0.5 * grid.spacing);
+        probe.clearance =
+            clearance_share * static_cast<float>(std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z}));
+        probe.touching = touches(tracer, probe.point, probe.clearance);
+        probe.limits = {grid.origin - origin, grid.position(grid.counts - 1) - origin};
+        if (!probe.inside && !probe.touching) return;
+        const std::optional<glm::vec3> offset = freeing_offset(tracer, probe, light.has_sky);
+        state = offset ? ProbeState::moved : ProbeState::missing;
         offsets[slot] = offset.value_or(glm::vec3(0));
     });
 

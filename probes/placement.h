@@ -1,14 +1,15 @@
 #pragma once
 
+#include "core/tracer.h"
+#include "probes/volume.h"
+
+#include <glm/glm.hpp>
+
 #include <cstdint>
 #include <functional>
-#include <glm/glm.hpp>
 #include <optional>
 #include <string>
 #include <vector>
-
-#include "core/tracer.h"
-#include "probes/volume.h"
 
 /// Where probes stand: lattices over boxes, probes freed from solids, holes filled.
 namespace lightgrid {
@@ -24,8 +25,8 @@ struct GridChoice {
     std::string why;  // one sentence for the user
 };
 
-/// Lattices that span the boxes exactly, with cells as near to cubes as whole numbers allow. Throws Error before anything
-/// is allocated where they would hold more than max_probes.
+/// Lattices that span the boxes exactly, with cells as near to cubes as whole numbers allow. Throws Error before
+/// anything is allocated where they would hold more than max_probes.
 [[nodiscard]] GridChoice choose_grids(const Scene& scene, const PlacementOptions& options);
 
 /// What became of the probes of a volume.
@@ -33,7 +34,7 @@ struct PlacementCounts {
     std::size_t valid = 0;    // as the lattice has them
     std::size_t moved = 0;    // freed within half a cell
     std::size_t invalid = 0;  // inside something
-    std::uint64_t rays = 0;
+    std::uint64_t rays = 0;   // of evidence at the lattice points; not those that looked for a better place
 };
 
 /// What light tells of a point besides its surroundings.
@@ -45,14 +46,16 @@ struct LightEvidence {
     bool has_sky = false;
 };
 
-/// Sets states and offsets of all probes of the grids. A probe is inside something, or outside of a level without a sky,
-/// where it is enclosed and sees back faces almost everywhere, near ones above all, and no light; it is moved by the least offset within half a cell that
-/// frees it, and not out of its grid's box. Probes of a list stay where they are and are marked only.
+/// Sets states and offsets of all probes of the grids. A probe is inside something, or outside of a level without a
+/// sky, where it is enclosed and sees back faces almost everywhere, near ones above all, and no light. Such a probe,
+/// and one that is too near to a surface, is moved by the least offset within half a cell that frees it: out of the
+/// solid that it is in, but through no other surface, and not out of its grid's box. Probes of a list stay where they
+/// are and are marked only.
 PlacementCounts place_probes(Volume& volume, const Tracer& tracer, const LightEvidence& light);
 
-/// Gives invalid probes the light of valid neighbours that no front face hides from them, nearest rings first, and then
-/// of any neighbour, so that plain trilinear filtering never reads black. States become `filled`, or `missing` where
-/// no probe of the grid is valid. Returns how many were filled.
+/// Gives invalid probes the light of valid neighbours that they reach through nothing but the surface of what they are
+/// in, ring by ring, and then of any neighbour, so that plain trilinear filtering never reads black. States become
+/// `filled`, or `missing` where no probe of the grid is valid. Returns how many were filled.
 std::size_t fill_invalid(Volume& volume, const Tracer& tracer);
 
 /// True where the surroundings say that a point is free: nothing within `clearance`, not inside a solid. For held-out

@@ -501,6 +501,24 @@ TEST(Tracer, DuplicateHugeTrianglesDoNotTrapLight) {
     EXPECT_EQ(wrong, 0);
 }
 
+TEST(Tracer, ASurfaceThatTheRayStartsExactlyOnIsNotMet) {
+    for (const float size : {1e-3F, 1.0F, 1e4F}) {
+        Scene scene;
+        add_box(scene, add_grey(scene, 0.5F), glm::vec3(-size), glm::vec3(size), Facing::outward);
+        const Tracer tracer(scene);
+        RandomStream random(14);
+        for (const glm::vec3 on : {glm::vec3(1, 0, 0.3F), glm::vec3(1, 1, 0.3F), glm::vec3(1, 1, 1)}) {
+            for (int i = 0; i < 1000; ++i) {
+                const glm::vec3 direction = any_direction(random);
+                bool leaves = false;
+                for (int axis = 0; axis < 3; ++axis) leaves = leaves || (on[axis] == 1 && direction[axis] > 0);
+                ASSERT_EQ(tracer.closest_hit(size * on, direction).found(), !leaves);
+                ASSERT_EQ(transmitted(tracer, size * on, direction), leaves ? 1 : 0);
+            }
+        }
+    }
+}
+
 TEST(Tracer, ALevelWithoutSurfacesIsEmptySpace) {
     const Scene scene;
     const Tracer tracer(scene);
