@@ -116,6 +116,7 @@ json bake_report(const BakePlan& plan, const BakeResult& result, const BakeOptio
     report["samples"] = plan.samples;
     report["method"] = "path";
     report["spacing"] = plan.why_spacing;
+    report["estimate"] = {{"seconds", plan.seconds_estimate}, {"bytes", plan.bytes_estimate}};
     report["grids"] = json::array();
     for (const Grid& grid : result.volume.grids) {
         report["grids"].push_back({{"origin", {grid.origin.x, grid.origin.y, grid.origin.z}},
