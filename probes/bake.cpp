@@ -45,15 +45,8 @@ double rough_light(const PathTracer& paths, glm::vec3 point, std::uint64_t key, 
     return sum / (4 * glm::pi<double>());
 }
 
-/// Light at some of the probes and what it cost, before anything is decided.
-struct Pilot {
-    double median_light = 0;
-    double rays_per_sample = 0;     // of full-length paths
-    double seconds_per_sample = 0;  // on all threads together
-    PathCounts counts;
-};
-
-Pilot run_pilot(const PathTracer& paths, const Volume& volume, std::uint64_t seed) {
+/// Median over lattice points of the light that gets there, among those that get any; 0 where none does.
+double median_light(const PathTracer& paths, const Volume& volume, std::uint64_t seed, PathCounts& counts) {
     const glm::dvec3 origin = paths.tracer().scene().origin;
     std::vector<std::size_t> slots;
     for (std::size_t slot = 0; slot < volume.slots(); ++slot) {
@@ -61,24 +54,42 @@ Pilot run_pilot(const PathTracer& paths, const Volume& volume, std::uint64_t see
     }
     const std::size_t count = std::min(pilot_points, slots.size());
     std::vector<double> light(count);
-    std::vector<PathCounts> counts(count);
-    const Stopwatch watch;
+    std::vector<PathCounts> counted(count);
     for_each_index(count, [&](std::size_t i) {
         const glm::vec3 point(lattice_position(volume, slots[i * slots.size() / count]) - origin);
-        light[i] = rough_light(paths, point, mix_bits(mix_bits(seed, 5), i), counts[i]);
+        light[i] = rough_light(paths, point, mix_bits(mix_bits(seed, 5), i), counted[i]);
     });
-    Pilot pilot;
-    const auto samples = static_cast<double>(count * pilot_samples);
-    pilot.seconds_per_sample = watch.seconds() / samples;
-    for (const PathCounts& c : counts) pilot.counts += c;
-    pilot.rays_per_sample = static_cast<double>(pilot.counts.rays + pilot.counts.shadow_rays) / samples;
+    for (const PathCounts& c : counted) counts += c;
     std::erase(light, 0.0);
-    if (!light.empty()) {
-        const auto middle = light.begin() + static_cast<std::ptrdiff_t>(light.size() / 2);
-        std::nth_element(light.begin(), middle, light.end());
-        pilot.median_light = *middle;
-    }
-    return pilot;
+    if (light.empty()) return 0;
+    const auto middle = light.begin() + static_cast<std::ptrdiff_t>(light.size() / 2);
+    std::nth_element(light.begin(), middle, light.end());
+    return *middle;
+}
+
+/// What a gather ray costs, its whole path included, from a few at some of the points.
+struct Cost {
+    double rays = 0;
+    double seconds = 0;  // on all threads together
+};
+
+Cost measure_cost(const PathTracer& paths, const std::vector<glm::vec3>& points, std::uint64_t seed,
+                  PathCounts& counts) {
+    const std::size_t count = std::min(pilot_points, points.size());
+    if (count == 0) return {};
+    std::vector<glm::vec3> some;
+    for (std::size_t i = 0; i < count; ++i) some.push_back(points[i * points.size() / count]);
+    GatherOptions options;
+    options.bands = 1;
+    options.samples = pilot_samples;
+    options.seed = mix_bits(seed, 7);
+    PathCounts counted;
+    const Stopwatch watch;
+    static_cast<void>(gather(paths, std::move(some), options, &counted));
+    const auto samples = static_cast<double>(count * pilot_samples);
+    const Cost cost{static_cast<double>(counted.rays + counted.shadow_rays) / samples, watch.seconds() / samples};
+    counts += counted;
+    return cost;
 }
 
 LightEvidence light_evidence(const PathTracer& paths, double least_light, std::uint64_t seed) {
@@ -89,7 +100,7 @@ LightEvidence light_evidence(const PathTracer& paths, double least_light, std::u
             paths.estimators().sky};
 }
 
-std::string percent(double share) { return fmt::format("{:.0f} %", 100 * share); }
+std::string percent(double share) { return fmt::format("{:.2g} %", 100 * share); }
 
 /// What this level gives no reason to do.
 std::vector<LeftOut> unused_estimators(const PathTracer& paths) {
@@ -114,22 +125,23 @@ std::vector<LeftOut> unused_estimators(const PathTracer& paths) {
     return left_out;
 }
 
-void choose_samples(BakePlan& plan, const BakeOptions& options, const Pilot& pilot) {
+void choose_samples(BakePlan& plan, const BakeOptions& options, const Cost& cost) {
+    const std::uint32_t replicates = GatherOptions{}.replicates;
     if (options.samples) {
-        plan.samples = *options.samples;
-        plan.why_samples = "as asked";
+        plan.samples = (*options.samples + replicates - 1) / replicates * replicates;
+        plan.why_samples = plan.samples == *options.samples
+                               ? "as asked"
+                               : fmt::format("{} asked, rounded up to whole replicates", *options.samples);
         return;
     }
     const double affordable =
-        default_ray_budget / (pilot.rays_per_sample * std::max<double>(1, static_cast<double>(plan.points.size())));
-    plan.samples = default_samples;
-    plan.why_samples = "default";
-    const std::uint32_t least = 4 * GatherOptions{}.replicates;
-    while (plan.samples > least && plan.samples > affordable) plan.samples /= 2;
-    if (plan.samples < default_samples) {
-        plan.why_samples = fmt::format("{} would trace more than {:.0f} million rays; ask for more with --samples",
-                                       default_samples, default_ray_budget / 1e6);
-    }
+        default_ray_budget / std::max(1.0, cost.rays * static_cast<double>(plan.points.size()));
+    plan.samples = most_default_samples;
+    while (plan.samples > least_default_samples && plan.samples > affordable) plan.samples /= 2;
+    plan.why_samples = plan.samples == most_default_samples
+                           ? "the most by default; ask for more with --samples"
+                           : fmt::format("as many as {:.0f} million rays pay for; ask for others with --samples",
+                                         default_ray_budget * 1e-6);
 }
 
 HeldOutOptions held_out_options(const BakePlan& plan, const BakeOptions& options) {
@@ -190,8 +202,8 @@ BakePlan plan_bake(const PathTracer& paths, const BakeOptions& options) {
                                            : make_volume(std::move(choice.grids), options.bands);
     }
 
-    const Pilot pilot = run_pilot(paths, plan.volume, options.seed);
-    plan.least_light = lit_share * pilot.median_light;
+    PathCounts pilot;
+    plan.least_light = lit_share * median_light(paths, plan.volume, options.seed, pilot);
     plan.placement =
         place_probes(plan.volume, paths.tracer(), light_evidence(paths, plan.least_light, options.seed));
     for (std::size_t slot = 0; slot < plan.volume.slots(); ++slot) {
@@ -201,7 +213,8 @@ BakePlan plan_bake(const PathTracer& paths, const BakeOptions& options) {
         plan.slots.push_back(slot);
         plan.points.emplace_back(gather_position(plan.volume, slot) - scene.origin);
     }
-    choose_samples(plan, options, pilot);
+    const Cost cost = measure_cost(paths, plan.points, options.seed, pilot);
+    choose_samples(plan, options, cost);
 
     plan.left_out = scene.left_out;
     for (LeftOut& item : unused_estimators(paths)) plan.left_out.push_back(std::move(item));
@@ -211,15 +224,15 @@ BakePlan plan_bake(const PathTracer& paths, const BakeOptions& options) {
              fmt::format("of {} rays around each nearly all met near back faces, none of them light",
                          plan.placement.rays / (plan.placement.valid + plan.placement.moved + plan.placement.invalid)),
              fmt::format("about {:.3g} million rays", static_cast<double>(plan.placement.invalid) * plan.samples *
-                                                          pilot.rays_per_sample * 1e-6)});
+                                                          cost.rays * 1e-6)});
     }
     const double gathers = static_cast<double>(plan.points.size()) * plan.samples;
-    plan.seconds_estimate = gathers * pilot.seconds_per_sample * (options.measure_error ? 1 + reference_share : 1);
+    plan.seconds_estimate = gathers * cost.seconds * (options.measure_error ? 1 + reference_share : 1);
     const std::size_t values = plan.volume.sh_size() + 6;
     plan.bytes_estimate = static_cast<double>(plan.points.size() * values * 4 * sizeof(glm::dvec3) +
                                               plan.volume.slots() * (2 * plan.volume.sh_size() + 6) * sizeof(glm::vec3));
     plan.stages.push_back({"place", watch.seconds(),
-                           plan.placement.rays + pilot.counts.rays + pilot.counts.shadow_rays});
+                           plan.placement.rays + pilot.rays + pilot.shadow_rays});
     return plan;
 }
 

@@ -19,15 +19,17 @@ struct BakeOptions {
     PlacementOptions placement;
     std::optional<std::vector<glm::dvec3>> probes;  // a list to gather exactly where it is, instead of grids
     int bands = 3;
-    std::optional<std::uint32_t> samples;  // gather rays per probe; none: default_samples, or what the ray budget allows
+    std::optional<std::uint32_t> samples;  // gather rays per probe; none: what default_ray_budget pays for
     std::uint64_t seed = 0;
     bool measure_error = true;             // trace held-out points and report the error, at about a quarter of the cost
     std::string environment;               // for the header: what lit the level besides its own lights
 };
 
-inline constexpr std::uint32_t default_samples = 1024;
-/// Where --samples is not given, fewer are taken rather than tracing more rays than this (about a minute on two cores).
-inline constexpr double default_ray_budget = 2.5e8;
+/// Where --samples is not given: the most, in powers of two, that trace no more rays than this (well under a minute on
+/// two cores). Counted in rays, not in seconds, so that a bake is the same on every machine.
+inline constexpr double default_ray_budget = 1.5e8;
+inline constexpr std::uint32_t most_default_samples = 4096;
+inline constexpr std::uint32_t least_default_samples = 64;
 
 struct Stage {
     std::string name;

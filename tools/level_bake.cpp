@@ -71,7 +71,7 @@ void add_options(CLI::App& app, Call& call) {
     app.add_option("--max-probes", call.max_probes, "Never more probes than this")->type_name("N")->capture_default_str()->group(where);
 
     const char* how = "How much and how";
-    app.add_option("--samples", call.samples, "Gather rays per probe, all replicates together (default: 1024, or what a ray budget allows)")
+    app.add_option("--samples", call.samples, "Gather rays per probe, all replicates together (default: 64 to 4096, by a budget of rays)")
         ->type_name("N")
         ->group(how);
     app.add_option("--bands", call.bands, "SH bands: 3 are nine coefficients")->type_name("N")->capture_default_str()->group(how);
