@@ -3,6 +3,13 @@
 // The gather's primary loop (generate a direction, trace, project a hit on 3 bands of SH) beside rtcIntersect1 alone on
 // the same rays, both on all threads: median and spread of alternating rounds, and the ratio of the medians.
 
+#include "core/error.h"
+#include "core/gltf.h"
+#include "core/parallel.h"
+#include "core/sampling.h"
+#include "core/sh.h"
+#include "core/tracer.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,13 +17,6 @@
 #include <cstdlib>
 #include <string>
 #include <vector>
-
-#include "core/error.h"
-#include "core/gltf.h"
-#include "core/parallel.h"
-#include "core/sampling.h"
-#include "core/sh.h"
-#include "core/tracer.h"
 
 #if __has_include(<embree4/rtcore.h>)
 #include <embree4/rtcore.h>
@@ -57,8 +57,10 @@ class RawScene {
 
     [[nodiscard]] bool hits(glm::vec3 origin, glm::vec3 direction) const {
         RTCRayHit query;
-        query.ray = {origin.x,    origin.y, origin.z, 0, direction.x, direction.y, direction.z, 0,
-                     std::numeric_limits<float>::infinity(), ~0U, 0, 0};
+        query.ray = {origin.x,    origin.y,    origin.z,
+                     0,           direction.x, direction.y,
+                     direction.z, 0,           std::numeric_limits<float>::infinity(),
+                     ~0U,         0,           0};
         query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
 #if RTC_VERSION_MAJOR >= 4
         rtcIntersect1(scene_, &query);
@@ -150,10 +152,12 @@ int run(int argc, char** argv) {
     const double mrays = static_cast<double>(points) * rays * 1e-6;
     const Spread a = spread(raw_seconds);
     const Spread b = spread(our_seconds);
-    fmt::print("{}: {} triangles, {} points x {} rays, {} threads, {} rounds\n", scene.name, tracer.triangle_count(), points,
-               rays, thread_count(), rounds);
-    fmt::print("rtcIntersect1 alone          {:6.2f} Mrays/s ({:.2f} to {:.2f})\n", mrays / a.median, mrays / a.most, mrays / a.least);
-    fmt::print("generate + trace + project   {:6.2f} Mrays/s ({:.2f} to {:.2f})\n", mrays / b.median, mrays / b.most, mrays / b.least);
+    fmt::print("{}: {} triangles, {} points x {} rays, {} threads, {} rounds\n", scene.name, tracer.triangle_count(),
+               points, rays, thread_count(), rounds);
+    fmt::print("rtcIntersect1 alone          {:6.2f} Mrays/s ({:.2f} to {:.2f})\n", mrays / a.median, mrays / a.most,
+               mrays / a.least);
+    fmt::print("generate + trace + project   {:6.2f} Mrays/s ({:.2f} to {:.2f})\n", mrays / b.median, mrays / b.most,
+               mrays / b.least);
     fmt::print("ratio of medians             {:6.1f} %\n", 100 * a.median / b.median);
     return 0;
 }
