@@ -178,8 +178,9 @@ glm::vec3 PathTracer::radiance_along(glm::vec3 origin, glm::vec3 direction, Dime
         const Hit hit = tracer_->closest_hit(origin, direction, infinity, passed_through);
         if (!hit.found()) {
             if (use_.sky) {
-                const float other = use_.environment ? environment_->pdf(direction) : 0.0F;
-                radiance += throughput * environment_->radiance(direction) * (scattered_pdf / (scattered_pdf + other));
+                const Environment::Sample sky = environment_->look_up(direction);
+                const float other = use_.environment ? sky.pdf : 0.0F;
+                radiance += throughput * sky.radiance * (scattered_pdf / (scattered_pdf + other));
             }
             return radiance;
         }
