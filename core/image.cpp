@@ -6,6 +6,16 @@
 #include "core/whole_file.h"
 
 #include <fmt/format.h>
+
+// Compiled in here, for this file alone: Draco's shared library has a copy of its own, which would be called instead.
+#define STB_IMAGE_IMPLEMENTATION
+#define STB_IMAGE_STATIC
+#define STBI_ONLY_JPEG
+#define STBI_ONLY_PNG
+#define STBI_NO_STDIO
+#define STB_IMAGE_WRITE_IMPLEMENTATION
+#define STB_IMAGE_WRITE_STATIC
+#define STBI_WRITE_NO_STDIO
 #include <stb_image.h>
 #include <stb_image_write.h>
 #include <webp/decode.h>

@@ -114,7 +114,7 @@ std::string read_whole_file(const std::filesystem::path& path) {
     constexpr std::size_t step = 1U << 16;
     for (;;) {
         const std::size_t size = bytes.size();
-        bytes.resize(std::max(size + step, bytes.capacity()));
+        bytes.resize(size < bytes.capacity() ? bytes.capacity() : size + step);
         const ssize_t count = ::read(file.descriptor(), bytes.data() + size, bytes.size() - size);
         const int error = errno;
         bytes.resize(size + static_cast<std::size_t>(std::max<ssize_t>(count, 0)));

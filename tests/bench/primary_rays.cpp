@@ -9,6 +9,8 @@
 #include "core/sampling.h"
 #include "core/sh.h"
 #include "core/tracer.h"
+#include "tests/bench/measure.h"
+#include "tests/bench/raw_scene.h"
 
 #include <fmt/format.h>
 
@@ -18,80 +20,10 @@
 #include <string>
 #include <vector>
 
-#if __has_include(<embree4/rtcore.h>)
-#include <embree4/rtcore.h>
-#else
-#include <embree3/rtcore.h>
-#endif
-
 namespace lightgrid {
 namespace {
 
 constexpr int rounds = 9;
-
-/// The level as Embree alone sees it: every placed triangle in one robust scene, as the tracer builds it.
-class RawScene {
-  public:
-    explicit RawScene(const Scene& scene) : device_(rtcNewDevice(nullptr)), scene_(rtcNewScene(device_)) {
-        rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
-        rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_MEDIUM);
-        for (const int index : scene.placed) {
-            const Mesh& mesh = scene.meshes[static_cast<std::size_t>(index)];
-            RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
-            rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh.positions.data(), 0,
-                                       sizeof(glm::vec3), mesh.positions.size());
-            rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles.data(), 0,
-                                       sizeof(glm::uvec3), mesh.triangles.size());
-            rtcCommitGeometry(geometry);
-            rtcAttachGeometry(scene_, geometry);
-            rtcReleaseGeometry(geometry);
-        }
-        rtcCommitScene(scene_);
-    }
-    ~RawScene() {
-        rtcReleaseScene(scene_);
-        rtcReleaseDevice(device_);
-    }
-    RawScene(const RawScene&) = delete;
-    RawScene& operator=(const RawScene&) = delete;
-
-    [[nodiscard]] bool hits(glm::vec3 origin, glm::vec3 direction) const {
-        RTCRayHit query;
-        query.ray = {origin.x,    origin.y,    origin.z,
-                     0,           direction.x, direction.y,
-                     direction.z, 0,           std::numeric_limits<float>::infinity(),
-                     ~0U,         0,           0};
-        query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-#if RTC_VERSION_MAJOR >= 4
-        rtcIntersect1(scene_, &query);
-#else
-        query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-        RTCIntersectContext context;
-        rtcInitIntersectContext(&context);
-        rtcIntersect1(scene_, &context, &query);
-#endif
-        return query.hit.geomID != RTC_INVALID_GEOMETRY_ID;
-    }
-
-  private:
-    RTCDevice device_;
-    RTCScene scene_;
-};
-
-template <class Body>
-double seconds_of(Body&& body) {
-    const auto start = std::chrono::steady_clock::now();
-    body();
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-struct Spread {
-    double median, least, most;
-};
-Spread spread(std::vector<double> values) {
-    std::sort(values.begin(), values.end());
-    return {values[values.size() / 2], values.front(), values.back()};
-}
 
 int run(int argc, char** argv) {
     if (argc < 2) throw Error("no LEVEL given", "bench_primary_rays");
@@ -121,28 +53,30 @@ int run(int argc, char** argv) {
     std::vector<glm::dvec3> sums(points * 9);
     for (int round = 0; round <= rounds; ++round) {
         const double raw_time = seconds_of([&] {
-            for_each_index(points, [&](std::size_t i) {
-                met_raw[i] = 0;
-                for (const glm::vec3& direction : directions[i]) met_raw[i] += raw.hits(origins[i], direction) ? 1 : 0;
-            });
-        });
-        const double our_time = seconds_of([&] {
-            for_each_index(points, [&](std::size_t i) {
-                met[i] = 0;
-                std::array<glm::dvec3, 9> sum{};
-                std::array<float, 9> basis{};
-                const glm::mat3 rotation = random_rotation(i);
-                for (const glm::vec3& unturned : even) {
-                    const glm::vec3 direction = rotation * unturned;
-                    const Hit hit = tracer.closest_hit(origins[i], direction);
-                    met[i] += hit.found() ? 1 : 0;
-                    sh_basis(3, direction, basis);
-                    const glm::dvec3 radiance(hit.barycentric.x, hit.barycentric.y, hit.found() ? 1.0 : 0.0);
-                    for (std::size_t c = 0; c < 9; ++c) sum[c] += radiance * static_cast<double>(basis[c]);
-                }
-                std::copy(sum.begin(), sum.end(), sums.begin() + static_cast<std::ptrdiff_t>(9 * i));
-            });
-        });
+                                    for_each_index(points, [&](std::size_t i) {
+                                        met_raw[i] = 0;
+                                        for (const glm::vec3& direction : directions[i])
+                                            met_raw[i] += raw.hits(origins[i], direction) ? 1 : 0;
+                                    });
+                                }).wall;
+        const double our_time =
+            seconds_of([&] {
+                for_each_index(points, [&](std::size_t i) {
+                    met[i] = 0;
+                    std::array<glm::dvec3, 9> sum{};
+                    std::array<float, 9> basis{};
+                    const glm::mat3 rotation = random_rotation(i);
+                    for (const glm::vec3& unturned : even) {
+                        const glm::vec3 direction = rotation * unturned;
+                        const Hit hit = tracer.closest_hit(origins[i], direction);
+                        met[i] += hit.found() ? 1 : 0;
+                        sh_basis(3, direction, basis);
+                        const glm::dvec3 radiance(hit.barycentric.x, hit.barycentric.y, hit.found() ? 1.0 : 0.0);
+                        for (std::size_t c = 0; c < 9; ++c) sum[c] += radiance * static_cast<double>(basis[c]);
+                    }
+                    std::copy(sum.begin(), sum.end(), sums.begin() + static_cast<std::ptrdiff_t>(9 * i));
+                });
+            }).wall;
         if (round == 0) continue;  // warm-up
         raw_seconds.push_back(raw_time);
         our_seconds.push_back(our_time);
