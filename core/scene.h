@@ -72,7 +72,7 @@ struct Mesh {
     std::string name;
     std::vector<glm::vec3> positions;
     std::vector<glm::uvec3> triangles;
-    std::vector<std::vector<glm::vec2>> uv_sets;  // by glTF set number; empty where no light path reads it
+    std::vector<std::vector<glm::vec2>> uv_sets;  // by glTF set number; all that its material reads, others are empty
     std::vector<glm::u16vec4> colors;             // COLOR_0, linear, 65535 = 1; empty where there is none
     int material = 0;                             // index in Scene::materials
 };

@@ -3,93 +3,26 @@
 // The gather's primary loop (generate a direction, trace, project a hit on 3 bands of SH) beside rtcIntersect1 alone on
 // the same rays, both on all threads: median and spread of alternating rounds, and the ratio of the medians.
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <chrono>
-#include <cstdlib>
-#include <string>
-#include <vector>
-
 #include "core/error.h"
 #include "core/gltf.h"
 #include "core/parallel.h"
 #include "core/sampling.h"
 #include "core/sh.h"
 #include "core/tracer.h"
+#include "tests/bench/raw_scene.h"
+#include "tests/bench/timing.h"
 
-#if __has_include(<embree4/rtcore.h>)
-#include <embree4/rtcore.h>
-#else
-#include <embree3/rtcore.h>
-#endif
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <string>
+#include <vector>
 
 namespace lightgrid {
 namespace {
 
 constexpr int rounds = 9;
-
-/// The level as Embree alone sees it: every placed triangle in one robust scene, as the tracer builds it.
-class RawScene {
-  public:
-    explicit RawScene(const Scene& scene) : device_(rtcNewDevice(nullptr)), scene_(rtcNewScene(device_)) {
-        rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
-        rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_MEDIUM);
-        for (const int index : scene.placed) {
-            const Mesh& mesh = scene.meshes[static_cast<std::size_t>(index)];
-            RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
-            rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh.positions.data(), 0,
-                                       sizeof(glm::vec3), mesh.positions.size());
-            rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles.data(), 0,
-                                       sizeof(glm::uvec3), mesh.triangles.size());
-            rtcCommitGeometry(geometry);
-            rtcAttachGeometry(scene_, geometry);
-            rtcReleaseGeometry(geometry);
-        }
-        rtcCommitScene(scene_);
-    }
-    ~RawScene() {
-        rtcReleaseScene(scene_);
-        rtcReleaseDevice(device_);
-    }
-    RawScene(const RawScene&) = delete;
-    RawScene& operator=(const RawScene&) = delete;
-
-    [[nodiscard]] bool hits(glm::vec3 origin, glm::vec3 direction) const {
-        RTCRayHit query;
-        query.ray = {origin.x,    origin.y, origin.z, 0, direction.x, direction.y, direction.z, 0,
-                     std::numeric_limits<float>::infinity(), ~0U, 0, 0};
-        query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-#if RTC_VERSION_MAJOR >= 4
-        rtcIntersect1(scene_, &query);
-#else
-        query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-        RTCIntersectContext context;
-        rtcInitIntersectContext(&context);
-        rtcIntersect1(scene_, &context, &query);
-#endif
-        return query.hit.geomID != RTC_INVALID_GEOMETRY_ID;
-    }
-
-  private:
-    RTCDevice device_;
-    RTCScene scene_;
-};
-
-template <class Body>
-double seconds_of(Body&& body) {
-    const auto start = std::chrono::steady_clock::now();
-    body();
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-struct Spread {
-    double median, least, most;
-};
-Spread spread(std::vector<double> values) {
-    std::sort(values.begin(), values.end());
-    return {values[values.size() / 2], values.front(), values.back()};
-}
 
 int run(int argc, char** argv) {
     if (argc < 2) throw Error("no LEVEL given", "bench_primary_rays");
@@ -150,10 +83,12 @@ int run(int argc, char** argv) {
     const double mrays = static_cast<double>(points) * rays * 1e-6;
     const Spread a = spread(raw_seconds);
     const Spread b = spread(our_seconds);
-    fmt::print("{}: {} triangles, {} points x {} rays, {} threads, {} rounds\n", scene.name, tracer.triangle_count(), points,
-               rays, thread_count(), rounds);
-    fmt::print("rtcIntersect1 alone          {:6.2f} Mrays/s ({:.2f} to {:.2f})\n", mrays / a.median, mrays / a.most, mrays / a.least);
-    fmt::print("generate + trace + project   {:6.2f} Mrays/s ({:.2f} to {:.2f})\n", mrays / b.median, mrays / b.most, mrays / b.least);
+    fmt::print("{}: {} triangles, {} points x {} rays, {} threads, {} rounds\n", scene.name, tracer.triangle_count(),
+               points, rays, thread_count(), rounds);
+    fmt::print("rtcIntersect1 alone          {:6.2f} Mrays/s ({:.2f} to {:.2f})\n", mrays / a.median, mrays / a.most,
+               mrays / a.least);
+    fmt::print("generate + trace + project   {:6.2f} Mrays/s ({:.2f} to {:.2f})\n", mrays / b.median, mrays / b.most,
+               mrays / b.least);
     fmt::print("ratio of medians             {:6.1f} %\n", 100 * a.median / b.median);
     return 0;
 }
