@@ -75,19 +75,20 @@ std::string frame(const Axis& x, const Axis& y) {
 }
 
 std::string curve(const std::vector<CurvePoint>& points, const Axis& x, const Axis& y) {
-    std::string upper;
-    std::string lower;
+    std::string band;  // along the upper edge, and back along the lower
     std::string middle;
     std::string dots;
     for (const CurvePoint& point : points) {
-        upper += fmt::format("{:.1f},{:.1f} ", x.place(point.seconds), y.place(point.high));
-        lower = fmt::format("{:.1f},{:.1f} ", x.place(point.seconds), y.place(point.low)) + lower;
+        band += fmt::format("{:.1f},{:.1f} ", x.place(point.seconds), y.place(point.high));
         middle += fmt::format("{:.1f},{:.1f} ", x.place(point.seconds), y.place(point.error));
         dots += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3.5\" class=\"dot\"/>\n", x.place(point.seconds),
                             y.place(point.error));
     }
-    return fmt::format("<polygon points=\"{}{}\" class=\"band\"/>\n<polyline points=\"{}\" class=\"curve\"/>\n{}",
-                       upper, lower, middle, dots);
+    for (auto point = points.rbegin(); point != points.rend(); ++point) {
+        band += fmt::format("{:.1f},{:.1f} ", x.place(point->seconds), y.place(point->low));
+    }
+    return fmt::format("<polygon points=\"{}\" class=\"band\"/>\n<polyline points=\"{}\" class=\"curve\"/>\n{}", band,
+                       middle, dots);
 }
 
 /// Error ~ seconds^-1/2 through the first point: what pure noise would do.
