@@ -84,7 +84,7 @@ struct Model {
 
 struct Instance {
     int model = 0;
-    glm::mat4x3 to_level{1};  // columns: axes, then translation relative to Scene::origin
+    glm::mat4x3 to_level{1};  // columns: axes, then translation relative to Scene::origin; not flat
     bool mirrored = false;    // negative determinant: counter-clockwise in the model is clockwise in the level
 };
 
