@@ -11,7 +11,7 @@
 #include "core/tracer.h"
 #include "core/whole_file.h"
 #include "tests/bench/raw_scene.h"
-#include "tests/bench/timing.h"
+#include "tests/bench/measure.h"
 
 #include <fmt/format.h>
 
@@ -35,14 +35,14 @@ int run(int argc, char** argv) {
         load.push_back(seconds_of([&] {
             const Scene loaded = load_level(argv[1]);
             const Tracer tracer(loaded);
-        }));
+        }).wall);
         decode.push_back(seconds_of([&] {
             for_each_index(images.size(), [&](std::size_t i) {
                 const std::string bytes = read_whole_file(images[i]);
                 static_cast<void>(decode_image(std::as_bytes(std::span(bytes)), images[i]));
             });
-        }));
-        commit.push_back(seconds_of([&] { const RawScene raw(scene); }));
+        }).wall);
+        commit.push_back(seconds_of([&] { const RawScene raw(scene); }).wall);
     }
     const double whole = spread(load).median;
     const double least = spread(decode).median + spread(commit).median;

@@ -10,7 +10,7 @@
 #include "core/sh.h"
 #include "core/tracer.h"
 #include "tests/bench/raw_scene.h"
-#include "tests/bench/timing.h"
+#include "tests/bench/measure.h"
 
 #include <fmt/format.h>
 
@@ -56,7 +56,7 @@ int run(int argc, char** argv) {
                 met_raw[i] = 0;
                 for (const glm::vec3& direction : directions[i]) met_raw[i] += raw.hits(origins[i], direction) ? 1 : 0;
             });
-        });
+        }).wall;
         const double our_time = seconds_of([&] {
             for_each_index(points, [&](std::size_t i) {
                 met[i] = 0;
@@ -73,7 +73,7 @@ int run(int argc, char** argv) {
                 }
                 std::copy(sum.begin(), sum.end(), sums.begin() + static_cast<std::ptrdiff_t>(9 * i));
             });
-        });
+        }).wall;
         if (round == 0) continue;  // warm-up
         raw_seconds.push_back(raw_time);
         our_seconds.push_back(our_time);
