@@ -84,9 +84,13 @@ struct Model {
 
 struct Instance {
     int model = 0;
-    glm::mat4x3 to_level{1};  // columns: axes, then translation relative to Scene::origin; not flat
+    glm::mat4x3 to_level{1};  // columns: axes, then translation relative to Scene::origin; not is_flat
     bool mirrored = false;    // negative determinant: counter-clockwise in the model is clockwise in the level
 };
+
+/// Squeezed so much along some axis (to less than 1e-9) that rays in an instance's own space would leave the range of
+/// float; Embree aborts on them. What is flat has to stand in the level itself.
+[[nodiscard]] bool is_flat(const glm::dmat3& axes) noexcept;
 
 enum class LightKind : std::uint8_t { directional, point, spot };
 

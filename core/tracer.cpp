@@ -224,9 +224,6 @@ glm::dmat3 axes_of(const Instance& instance) {
     return {glm::dvec3(instance.to_level[0]), glm::dvec3(instance.to_level[1]), glm::dvec3(instance.to_level[2])};
 }
 
-/// Beyond, rays in the space of an instance would leave the range in which Embree computes, and it aborts.
-constexpr double most_squeezed = 1e12;
-
 /// Triangles larger than this many times the median are huge: Embree's rounding at them would exceed small neighbours,
 /// so that rays cannot start beyond it; they are checked in double instead.
 constexpr float extent_limit_in_medians = 1024;
@@ -354,8 +351,7 @@ Tracer::Tracer(const Scene& scene) : impl_(std::make_unique<Impl>()) {
     unsigned id = 0;
     for (const int mesh : scene.placed) impl_->attach_mesh(impl_->root.get(), mesh, id++);
     for (const Instance& instance : scene.instances) {
-        const glm::dmat3 inverse = absolute(glm::inverse(axes_of(instance)));
-        if (!(std::max({largest(inverse[0]), largest(inverse[1]), largest(inverse[2])}) < most_squeezed)) {
+        if (is_flat(axes_of(instance))) {
             throw Error(fmt::format("an instance of model {} is flat", instance.model), scene.name, "", Fault::work);
         }
         RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);

@@ -550,7 +550,7 @@ TEST(Tracer, TrianglesWithoutAreaAreNotThere) {
 
 TEST(Tracer, RefusesAnInstanceWithoutAnInverse) {
     // Embree would abort on its rays. The loader lets flat things stand in the level itself.
-    for (const float thickness : {0.0F, 1e-30F}) {
+    for (const float thickness : {0.0F, 1e-30F, 1e-10F}) {
         Scene scene;
         const BoxShape box = box_shape(glm::vec3(-1), glm::vec3(1), Facing::outward);
         const int mesh = store_mesh(scene, add_grey(scene, 0.5F), box.positions, box.triangles);
