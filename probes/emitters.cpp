@@ -1,5 +1,7 @@
 #include "probes/emitters.h"
 
+#include "core/sampling.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -65,7 +67,21 @@ Emitters::Emitters(const Tracer& tracer) : tracer_(&tracer) {
         add(scene.models[scene.instances[i].model].meshes, static_cast<std::uint32_t>(scene.placed.size()) + i);
     }
     merge_coincident(power);
-    table_ = AliasTable(power);
+    tree_ = tree_of(power);
+}
+
+EmitterTree Emitters::tree_of(std::span<const double> power) const {
+    std::vector<EmitterTree::Emitter> emitters(triangles_.size());
+    for (std::size_t i = 0; i < emitters.size(); ++i) {
+        if (!(power[i] > 0)) continue;
+        const Tracer::Corners corners = tracer_->corners(triangles_[i].id);
+        emitters[i].min = glm::min(glm::min(corners.a, corners.b), corners.c);
+        emitters[i].max = glm::max(glm::max(corners.a, corners.b), corners.c);
+        emitters[i].normal = glm::normalize(double_area(corners));
+        emitters[i].both_sides = triangles_[i].both_sides;
+        emitters[i].power = power[i];
+    }
+    return EmitterTree(emitters);
 }
 
 void Emitters::merge_coincident(std::span<double> power) {
@@ -114,16 +130,13 @@ bool Emitters::emits(const Hit& hit, bool front) const noexcept {
     return index != SurfaceId::none && (front || triangles_[index].both_sides);
 }
 
-float Emitters::pdf_by_area(std::uint32_t index) const noexcept {
-    return static_cast<float>(table_.probability(index) / triangles_[index].area);
-}
-
-Emitters::Sample Emitters::sample(glm::vec3 receiver, double pick, glm::vec2 where) const noexcept {
-    const std::uint32_t index = table_.sample(pick);
+Emitters::Sample Emitters::sample(const Receiver& receiver, double pick, glm::vec2 where) const noexcept {
+    const auto [index, probability] = tree_.draw(receiver, pick);
+    if (!(probability > 0)) return {};
     const glm::vec2 barycentric = triangle_point(where);
     const Hit hit{triangles_[index].id, 0, barycentric};
     Surface surface = tracer_->surface(hit, glm::vec3(0));
-    const glm::vec3 to_emitter = surface.position - receiver;
+    const glm::vec3 to_emitter = surface.position - receiver.position;
     const float distance_squared = glm::dot(to_emitter, to_emitter);
     const float cosine = -glm::dot(to_emitter, surface.normal) / std::sqrt(distance_squared);
     if (cosine == 0 || !(distance_squared > 0)) return {};
@@ -132,7 +145,7 @@ Emitters::Sample Emitters::sample(glm::vec3 receiver, double pick, glm::vec2 whe
     sample.id = hit.id;
     surface.offset += std::sqrt(distance_squared) * 0x1p-20F;  // Embree's rounding at the far end grows with the ray
     sample.position = surface.leave(-to_emitter);
-    sample.pdf = pdf_by_area(index) * distance_squared / std::abs(cosine);
+    sample.pdf = static_cast<float>(probability / triangles_[index].area) * distance_squared / std::abs(cosine);
     if (cosine > 0 || triangles_[index].both_sides) {
         const SurfacePoint point = surface_at(tracer_->scene(), *surface.mesh, hit.id.triangle, barycentric);
         sample.radiance = point.alpha * point.emission;
@@ -140,14 +153,17 @@ Emitters::Sample Emitters::sample(glm::vec3 receiver, double pick, glm::vec2 whe
     return sample;
 }
 
-float Emitters::pdf(glm::vec3 receiver, const Hit& hit, const Surface& surface) const noexcept {
+float Emitters::pdf(const Receiver& receiver, const Hit& hit, const Surface& surface) const noexcept {
     if (empty()) return 0;
     const std::uint32_t index = index_of(hit.id);
     if (index == SurfaceId::none) return 0;
-    const glm::vec3 to_emitter = surface.position - receiver;
+    const glm::vec3 to_emitter = surface.position - receiver.position;
     const float distance_squared = glm::dot(to_emitter, to_emitter);
     const float cosine = std::abs(glm::dot(to_emitter, surface.normal)) / std::sqrt(distance_squared);
-    return cosine > 0 ? pdf_by_area(triangles_[index].sampled_as) * distance_squared / cosine : 0.0F;
+    if (!(cosine > 0)) return 0;
+    const Triangle& sampled = triangles_[triangles_[index].sampled_as];
+    const float probability = tree_.probability(receiver, triangles_[index].sampled_as);
+    return static_cast<float>(probability / sampled.area) * distance_squared / cosine;
 }
 
 }  // namespace lightgrid

@@ -28,7 +28,7 @@ bool is_finite(glm::vec3 v) {
 struct PathTracer::Vertex {
     glm::vec3 position{0};
     const Surface* surface = nullptr;
-    glm::vec3 normal{0};  // on the side of the path
+    glm::vec3 normal{0};  // on the side of the path; 0 at a probe
 
     /// Density with which the path goes on in `direction`, per steradian.
     [[nodiscard]] float pdf(glm::vec3 direction) const {
@@ -38,6 +38,7 @@ struct PathTracer::Vertex {
     /// What radiance from `direction` counts for: 1 at a probe; cosine / pi on a surface, whose albedo is in the
     /// throughput.
     [[nodiscard]] float response(glm::vec3 direction) const { return surface == nullptr ? 1.0F : pdf(direction); }
+    [[nodiscard]] Receiver receiver() const { return {position, normal}; }
     [[nodiscard]] glm::vec3 origin(glm::vec3 direction) const {
         return surface == nullptr ? position : surface->leave(direction);
     }
@@ -114,7 +115,7 @@ PunctualLight punctual_light_at(const Light& light, glm::vec3 point) noexcept {
 
 LightSample PathTracer::from_emitters(const Vertex& vertex, Dimensions& dimensions, PathCounts& counts) const {
     const double pick = dimensions.next_choice();
-    const Emitters::Sample emitter = emitters_.sample(vertex.position, pick, dimensions.next2());
+    const Emitters::Sample emitter = emitters_.sample(vertex.receiver(), pick, dimensions.next2());
     if (emitter.radiance == glm::vec3(0)) return {};
     const glm::vec3 direction = glm::normalize(emitter.position - vertex.position);
     const float response = vertex.response(direction);
@@ -169,7 +170,7 @@ glm::vec3 PathTracer::radiance_along(glm::vec3 origin, glm::vec3 direction, Dime
     const Scene& scene = tracer_->scene();
     glm::vec3 radiance(0);
     glm::vec3 throughput(1);
-    glm::vec3 scattered_at = origin;           // where the path last chose a direction,
+    Receiver scattered_at{origin, {}};         // where the path last chose a direction,
     float scattered_pdf = uniform_sphere_pdf;  // and how densely
     Hit passed_through;                        // since then, the last surface
     for (std::uint32_t bounce = 0;;) {
@@ -177,8 +178,9 @@ glm::vec3 PathTracer::radiance_along(glm::vec3 origin, glm::vec3 direction, Dime
         const Hit hit = tracer_->closest_hit(origin, direction, infinity, passed_through);
         if (!hit.found()) {
             if (use_.sky) {
-                const float other = use_.environment ? environment_->pdf(direction) : 0.0F;
-                radiance += throughput * environment_->radiance(direction) * (scattered_pdf / (scattered_pdf + other));
+                const Environment::Sample sky = environment_->look_up(direction);
+                const float other = use_.environment ? sky.pdf : 0.0F;
+                radiance += throughput * sky.radiance * (scattered_pdf / (scattered_pdf + other));
             }
             return radiance;
         }
@@ -218,7 +220,7 @@ glm::vec3 PathTracer::radiance_along(glm::vec3 origin, glm::vec3 direction, Dime
 
         direction = cosine_direction(vertex.normal, dimensions.next2());
         origin = surface.leave(direction);
-        scattered_at = surface.position;
+        scattered_at = vertex.receiver();
         passed_through = {};
         scattered_pdf = vertex.pdf(direction);
         if (!(scattered_pdf > 0)) return radiance;

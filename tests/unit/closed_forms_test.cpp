@@ -256,12 +256,12 @@ TEST(ClosedForms, EmitterSamplesAndGatherRaysAloneAgree) {
     RandomStream random(17);
     const Emitters& emitters = level.paths.emitters();
     for (int i = 0; i < count; ++i) {
-        const Emitters::Sample sample = emitters.sample({0, 0, 0}, random.next_double(), random.next2());
+        const Emitters::Sample sample = emitters.sample({glm::vec3(0), {}}, random.next_double(), random.next2());
         const glm::vec3 to_lamp = glm::normalize(sample.position);
         by_emitters += sample.radiance.x * std::max(0.0F, glm::dot(normal, to_lamp)) / sample.pdf / count;
         const Hit there = level.tracer.closest_hit({0, 0, 0}, to_lamp);
         if (there.found()) {
-            ASSERT_NEAR(emitters.pdf({0, 0, 0}, there, level.tracer.surface(there, to_lamp)), sample.pdf,
+            ASSERT_NEAR(emitters.pdf({glm::vec3(0), {}}, there, level.tracer.surface(there, to_lamp)), sample.pdf,
                         1e-3 * sample.pdf);
         } else {
             ++beside;  // rounded over the rim
