@@ -33,7 +33,7 @@ LoadedMaterials load_used_materials(const Document& document, const std::vector<
     std::vector<bool> used(document.model().materials.size() + 1, false);
     for (const Shape& shape : shapes)
         for (const tinygltf::Primitive& primitive : document.mesh(shape.key.mesh).primitives)
-            if (makes_triangles(primitive)) used[static_cast<std::size_t>(primitive.material + 1)] = true;
+            if (makes_triangles(primitive)) used[LoadedMaterials::slot_of(primitive.material)] = true;
     return load_materials(document, used, scene, notices);
 }
 

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <filesystem>
-
 #include "core/scene.h"
+
+#include <filesystem>
 
 namespace lightgrid {
 
@@ -10,8 +10,28 @@ struct LoadOptions {
     int scene = -1;  // index of the glTF scene; -1: the file's default, else the first
 };
 
-/// Reads a .gltf or .glb level. Throws Error naming file and place for anything that would change the light; what no
-/// light path reads (animations, cameras, unused materials ...) is reported in Scene::notices instead.
+/// Reads a level from glTF 2.0: .gltf or .glb, recognised by content, with data URIs or files beside it.
+///
+/// Nodes       transforms compose in double; a negative determinant turns the winding, so that front stays front. A
+/// mesh
+///             that stands several times becomes instances, never copies: by several nodes or by
+///             EXT_mesh_gpu_instancing.
+/// Geometry    every triangle mode, indexed or not; sparse, interleaved, quantised (KHR_mesh_quantization), packed
+///             (EXT_meshopt_compression, KHR_draco_mesh_compression); skins and morph targets as they stand at rest.
+///             Points and lines are no part of the level; triangles without area are dropped.
+/// Materials   base colour, alpha, transmission, emission (KHR_materials_emissive_strength), any UV set,
+///             KHR_texture_transform, EXT_texture_webp; diffuse of KHR_materials_pbrSpecularGlossiness where there is
+///             no base colour.
+/// Lights      KHR_lights_punctual.
+/// Markers     nodes with extras {"lightgrid": "volume"} or {"lightgrid": "probe"}; their meshes are no part of the
+/// level.
+///
+/// Only what light paths read is converted, and what turns out to make no difference is left out (Scene::left_out).
+/// What was ignored, clamped or repaired, and what is broken where no light path reads it, is named in Scene::notices.
+///
+/// Throws Error (Fault::input) naming file and place for anything broken or unknown that would change the light: also
+/// for extensions that the file requires and nothing here knows, and for KTX2 textures. The level is the same whatever
+/// the number of threads.
 [[nodiscard]] Scene load_level(const std::filesystem::path& path, const LoadOptions& options = {});
 
 }  // namespace lightgrid

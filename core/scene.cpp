@@ -134,6 +134,17 @@ float linear_from_srgb(std::uint8_t encoded) noexcept {
     return srgb_to_linear[encoded];
 }
 
+bool is_flat(const glm::dmat3& axes) noexcept {
+    constexpr double most = 1e9;
+    const glm::dmat3 inverse = glm::inverse(axes);
+    for (int column = 0; column < 3; ++column) {
+        for (int row = 0; row < 3; ++row) {
+            if (!(std::abs(inverse[column][row]) <= most)) return true;
+        }
+    }
+    return false;
+}
+
 SurfacePoint surface_at(const Scene& scene, const Mesh& mesh, std::uint32_t triangle, glm::vec2 barycentric) noexcept {
     const Material& material = material_of(scene, mesh);
     const Place place(mesh, triangle, barycentric);

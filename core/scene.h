@@ -72,7 +72,7 @@ struct Mesh {
     std::string name;
     std::vector<glm::vec3> positions;
     std::vector<glm::uvec3> triangles;
-    std::vector<std::vector<glm::vec2>> uv_sets;  // by glTF set number; empty where no light path reads it
+    std::vector<std::vector<glm::vec2>> uv_sets;  // by glTF set number; all that its material reads, others are empty
     std::vector<glm::u16vec4> colors;             // COLOR_0, linear, 65535 = 1; empty where there is none
     int material = 0;                             // index in Scene::materials
 };
@@ -84,9 +84,13 @@ struct Model {
 
 struct Instance {
     int model = 0;
-    glm::mat4x3 to_level{1};  // columns: axes, then translation relative to Scene::origin
+    glm::mat4x3 to_level{1};  // columns: axes, then translation relative to Scene::origin; not is_flat
     bool mirrored = false;    // negative determinant: counter-clockwise in the model is clockwise in the level
 };
+
+/// Squeezed so much along some axis (to less than 1e-9) that rays in an instance's own space would leave the range of
+/// float; Embree aborts on them. What is flat has to stand in the level itself.
+[[nodiscard]] bool is_flat(const glm::dmat3& axes) noexcept;
 
 enum class LightKind : std::uint8_t { directional, point, spot };
 

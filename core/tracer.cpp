@@ -219,6 +219,11 @@ Tracer::Corners corners_of(const Mesh& mesh, std::uint32_t triangle, const Insta
             instance->mirrored};
 }
 
+/// Axes of an instance in the level.
+glm::dmat3 axes_of(const Instance& instance) {
+    return {glm::dvec3(instance.to_level[0]), glm::dvec3(instance.to_level[1]), glm::dvec3(instance.to_level[2])};
+}
+
 /// Triangles larger than this many times the median are huge: Embree's rounding at them would exceed small neighbours,
 /// so that rays cannot start beyond it; they are checked in double instead.
 constexpr float extent_limit_in_medians = 1024;
@@ -244,12 +249,17 @@ void for_each_extent(const Scene& scene, What what) {
 
 /// The point with these weights of b and c, moved by about `distance` where an edge is nearer than that: in a corner, a
 /// ray must not start within the rounding of the next wall. Slivers have no such place and stay.
-glm::dvec3 off_edges(const Tracer::Corners& t, glm::dvec2 weight, double doubled_area, double distance) {
+///
+/// extent  the largest coordinate of a way from the point to a corner: edges are at most 2 sqrt(3) times as long
+glm::dvec3 off_edges(const Tracer::Corners& t, glm::dvec2 weight, double doubled_area, double extent, double distance) {
     glm::dvec3 weights(1 - weight.x - weight.y, weight);
-    const glm::dvec3 edges(glm::distance(t.b, t.c), glm::distance(t.c, t.a), glm::distance(t.a, t.b));
-    if (3 * distance * std::max({edges.x, edges.y, edges.z}) < doubled_area) {
-        weights = glm::max(weights, edges * (distance / doubled_area));  // heights over the edges are area / edge
-        weights /= weights.x + weights.y + weights.z;
+    const double nearest = std::min({weights.x, weights.y, weights.z}) * doubled_area;  // times its edge
+    if (nearest < 4 * extent * distance) {
+        const glm::dvec3 edges(glm::distance(t.b, t.c), glm::distance(t.c, t.a), glm::distance(t.a, t.b));
+        if (3 * distance * std::max({edges.x, edges.y, edges.z}) < doubled_area) {
+            weights = glm::max(weights, edges * (distance / doubled_area));  // heights over the edges are area / edge
+            weights /= weights.x + weights.y + weights.z;
+        }
     }
     return t.a + weights.y * (t.b - t.a) + weights.z * (t.c - t.a);
 }
@@ -341,6 +351,9 @@ Tracer::Tracer(const Scene& scene) : impl_(std::make_unique<Impl>()) {
     unsigned id = 0;
     for (const int mesh : scene.placed) impl_->attach_mesh(impl_->root.get(), mesh, id++);
     for (const Instance& instance : scene.instances) {
+        if (is_flat(axes_of(instance))) {
+            throw Error(fmt::format("an instance of model {} is flat", instance.model), scene.name, "", Fault::work);
+        }
         RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
         rtcSetGeometryInstancedScene(geometry, impl_->models[instance.model].get());
         rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, &instance.to_level);
@@ -408,17 +421,16 @@ Surface Tracer::surface(const Hit& hit, glm::vec3 direction) const noexcept {
     // Rounding of the position, half a unit in the last place of its coordinates, and of Embree's own distance to the
     // triangle, some units of its extent. The rays of an instance are rounded in its own space, where they are sums of
     // these terms; what that is along the normal counts.
-    double rounding = largest(position) +
-                      std::min<double>(std::max({largest(a - position), largest(b - position), largest(c - position)}),
-                                       impl_->extent_limit);
+    const double extent = std::max({largest(a - position), largest(b - position), largest(c - position)});
+    double rounding = largest(position) + std::min<double>(extent, impl_->extent_limit);
     if (instance != nullptr) {
-        const glm::mat4x3& m = instance->to_level;
-        const auto axes = glm::dmat3{glm::dvec3(m[0]), glm::dvec3(m[1]), glm::dvec3(m[2])};
-        const glm::dvec3 terms = absolute(glm::inverse(axes)) * (glm::abs(position) + glm::abs(glm::dvec3(m[3])));
+        const glm::dmat3 axes = axes_of(*instance);
+        const glm::dvec3 place(instance->to_level[3]);
+        const glm::dvec3 terms = absolute(glm::inverse(axes)) * (glm::abs(position) + glm::abs(place));
         rounding += glm::dot(glm::abs(normal * axes), terms);
     }
     surface.offset = static_cast<float>(rounding * 0x1p-22);
-    surface.position = glm::vec3(off_edges({a, b, c, mirrored}, weight, doubled_area, surface.offset));
+    surface.position = glm::vec3(off_edges({a, b, c, mirrored}, weight, doubled_area, extent, surface.offset));
     return surface;
 }
 

@@ -93,7 +93,7 @@ void check_bricks(const Volume& volume) {
 }
 
 std::string describe_slot(const Volume& volume, std::size_t slot) {
-    if (!volume.has_cells()) return fmt::format("probe {}", slot);
+    if (slot >= volume.list_start()) return fmt::format("probe {}", slot - volume.list_start());
     const Brick& brick = volume.bricks[slot / probes_per_brick];
     const glm::ivec3 probe = brick.origin + probe_in_brick(slot % probes_per_brick);
     return fmt::format("grid {}, probe ({}, {}, {})", brick.grid, probe.x, probe.y, probe.z);
@@ -107,8 +107,9 @@ void check_states(const Volume& volume) {
                                     static_cast<int>(ProbeState::missing)),
                         describe_slot(volume, slot));
         }
-        const bool inside = !volume.has_cells() || contains(volume.grids[volume.bricks[slot / probes_per_brick].grid],
-                                                            lattice_index(volume, slot));
+        const bool inside =
+            slot >= volume.list_start() ||
+            contains(volume.grids[volume.bricks[slot / probes_per_brick].grid], lattice_index(volume, slot));
         if (inside == (state == ProbeState::absent)) {
             throw Error(
                 inside ? "absent, though it lies inside its grid" : "it lies outside its grid, but is not absent",
@@ -149,12 +150,13 @@ bool same_bits(float a, float b) {
 
 }  // namespace
 
-Volume make_volume(std::vector<Grid> grids, int bands) {
+Volume make_volume(std::vector<Grid> grids, int bands, std::vector<glm::dvec3> list) {
     check_bands(bands);
     check_grids(grids);
     Volume volume;
     volume.bands = bands;
     volume.grids = std::move(grids);
+    volume.list = std::move(list);
     for (std::size_t g = 0; g < volume.grids.size(); ++g) {
         const glm::ivec3 counts = volume.grids[g].counts;
         for (int z = 0; z < counts.z; z += brick_size) {
@@ -165,11 +167,11 @@ Volume make_volume(std::vector<Grid> grids, int bands) {
             }
         }
     }
-    const std::size_t slots = volume.bricks.size() * probes_per_brick;
-    volume.states.resize(slots);
-    for (std::size_t slot = 0; slot < slots; ++slot) {
+    const std::size_t slots = volume.list_start() + volume.list.size();
+    volume.states.resize(slots, ProbeState::valid);
+    for (std::size_t slot = 0; slot < volume.list_start(); ++slot) {
         const Grid& grid = volume.grids[volume.bricks[slot / probes_per_brick].grid];
-        if (contains(grid, lattice_index(volume, slot))) volume.states[slot] = ProbeState::valid;
+        if (!contains(grid, lattice_index(volume, slot))) volume.states[slot] = ProbeState::absent;
     }
     volume.coefficients.assign(slots * volume.sh_size(), glm::vec3(0));
     volume.errors = volume.coefficients;
@@ -178,26 +180,17 @@ Volume make_volume(std::vector<Grid> grids, int bands) {
 }
 
 Volume make_probe_list(std::vector<glm::dvec3> positions, int bands) {
-    check_bands(bands);
-    Volume volume;
-    volume.bands = bands;
-    volume.list = std::move(positions);
-    const std::size_t slots = volume.list.size();
-    volume.states.assign(slots, ProbeState::valid);
-    volume.coefficients.assign(slots * volume.sh_size(), glm::vec3(0));
-    volume.errors = volume.coefficients;
-    volume.axis_errors.assign(slots * axis_normals.size(), glm::vec3(0));
-    return volume;
+    return make_volume({}, bands, std::move(positions));
 }
 
 void check_volume(const Volume& volume) {
     check_bands(volume.bands);
-    if (volume.has_cells() == !volume.list.empty()) {
-        throw Error(volume.has_cells() ? "both grids and a probe list" : "neither grids nor a probe list");
-    }
+    if (!volume.has_cells() && volume.list.empty()) throw Error("neither grids nor a probe list");
     check_grids(volume.grids);
-    const std::size_t slots = volume.has_cells() ? volume.bricks.size() * probes_per_brick : volume.list.size();
-    if (slots == 0) throw Error("no brick is stored");
+    if (volume.has_cells() == volume.bricks.empty()) {
+        throw Error(volume.has_cells() ? "no brick is stored" : "bricks without a grid");
+    }
+    const std::size_t slots = volume.list_start() + volume.list.size();
     if (volume.slots() != slots) throw Error(fmt::format("{} states for {} probes", volume.slots(), slots));
     check_bricks(volume);
     check_states(volume);
@@ -217,7 +210,7 @@ glm::ivec3 lattice_index(const Volume& volume, std::size_t slot) {
 }
 
 glm::dvec3 lattice_position(const Volume& volume, std::size_t slot) {
-    if (!volume.has_cells()) return volume.list[slot];
+    if (slot >= volume.list_start()) return volume.list[slot - volume.list_start()];
     return volume.grids[volume.bricks[slot / probes_per_brick].grid].position(lattice_index(volume, slot));
 }
 

@@ -47,12 +47,13 @@ struct Brick {
     glm::ivec3 origin{0};  // first probe, a multiple of brick_size
 };
 
-/// Probes in slots: brick b's probe p is slot b * probes_per_brick + p; a probe list (no cells) uses slot = row.
+/// Probes in slots: brick b's probe p is slot b * probes_per_brick + p; behind those of the bricks come the rows of the
+/// list. A volume has grids, or a list (a "probe list", which has no cells), or both.
 struct Volume {
     int bands = 3;
-    std::vector<Grid> grids;  // empty for a probe list
+    std::vector<Grid> grids;
     std::vector<Brick> bricks;
-    std::vector<glm::dvec3> list;  // positions of a probe list, in the caller's order; empty for grids
+    std::vector<glm::dvec3> list;  // places of single probes, in the caller's order
 
     std::vector<ProbeState> states;       // per slot
     std::vector<glm::vec3> coefficients;  // per slot bands^2: radiance, cd/m^2 sr^(1/2)
@@ -65,6 +66,8 @@ struct Volume {
 
     [[nodiscard]] bool has_cells() const { return !grids.empty(); }
     [[nodiscard]] std::size_t slots() const { return states.size(); }
+    /// The slot of the list's first row.
+    [[nodiscard]] std::size_t list_start() const { return bricks.size() * probes_per_brick; }
     [[nodiscard]] std::size_t sh_size() const { return static_cast<std::size_t>(bands) * bands; }
     [[nodiscard]] std::span<const glm::vec3> sh(std::size_t slot) const {
         return std::span(coefficients).subspan(slot * sh_size(), sh_size());
@@ -75,10 +78,11 @@ struct Volume {
 inline constexpr std::array<glm::vec3, 6> axis_normals{
     {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}}};
 
-/// A volume of these grids with every brick allocated (by grid, then z, y, x), all probes `valid`, padding `absent`,
-/// light and errors zero. Throws Error for a grid that check_volume would refuse, before anything is allocated.
-[[nodiscard]] Volume make_volume(std::vector<Grid> grids, int bands);
-/// A probe list, all `valid`, with light and errors zero.
+/// A volume of these grids with every brick allocated (by grid, then z, y, x), and of these single probes; all probes
+/// `valid`, padding `absent`, light and errors zero. Throws Error for a grid that check_volume would refuse, before
+/// anything is allocated.
+[[nodiscard]] Volume make_volume(std::vector<Grid> grids, int bands, std::vector<glm::dvec3> list = {});
+/// The same without grids.
 [[nodiscard]] Volume make_probe_list(std::vector<glm::dvec3> positions, int bands);
 
 /// Throws Error that names the first thing wrong: a size that does not fit the others, a brick outside its grid or
@@ -91,7 +95,7 @@ void check_volume(const Volume& volume);
     const int i = static_cast<int>(p);
     return {i % brick_size, i / brick_size % brick_size, i / (brick_size * brick_size)};
 }
-/// The probe in `slot` of a volume with grids, as (i, j, k) of its grid.
+/// The probe in a brick's `slot`, as (i, j, k) of its grid.
 [[nodiscard]] glm::ivec3 lattice_index(const Volume& volume, std::size_t slot);
 /// Where the probe in `slot` was gathered.
 [[nodiscard]] glm::dvec3 gather_position(const Volume& volume, std::size_t slot);

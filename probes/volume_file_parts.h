@@ -105,8 +105,9 @@ class TileBuffer {
 
 /// The index part: an image with one pixel per tile that says which brick it is.
 struct Index {
-    static constexpr std::uint32_t used =
-        1;  // bit of `flags`: the tile holds probes; the last ones of a picture may not
+    // Bits of `flags`.
+    static constexpr std::uint32_t used = 1;  // the tile holds probes; the last ones of a picture may not
+    static constexpr std::uint32_t rows = 2;  // those of the list, not a brick
 
     explicit Index(std::size_t tiles);
 

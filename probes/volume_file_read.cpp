@@ -187,14 +187,24 @@ Index read_index(Imf::MultiPartInputFile& file, int part, Layout layout, const V
     return index;
 }
 
-// How many tiles hold probes: the first ones.
-std::size_t count_used(const Index& index) {
-    const auto is_used = [](std::uint32_t flags) { return (flags & Index::used) != 0; };
-    const auto end = std::find_if_not(index.flags.begin(), index.flags.end(), is_used);
-    if (std::find_if(end, index.flags.end(), is_used) != index.flags.end()) {
-        throw Error("an unused tile comes before a used one", fmt::format("part \"{}\"", index_part));
+// How many tiles hold bricks, and how many rows of the list: the first ones, in that order.
+struct UsedTiles {
+    std::size_t bricks = 0;
+    std::size_t rows = 0;
+};
+UsedTiles count_used(const Index& index) {
+    UsedTiles tiles;
+    for (std::size_t t = 0; t < index.flags.size(); ++t) {
+        if ((index.flags[t] & Index::used) == 0) continue;
+        const bool row = (index.flags[t] & Index::rows) != 0;
+        if (t != tiles.bricks + tiles.rows || (!row && tiles.rows > 0)) {
+            throw Error(
+                fmt::format("tile {} is out of order: bricks come first, then the list, then what is unused", t),
+                fmt::format("part \"{}\"", index_part));
+        }
+        ++(row ? tiles.rows : tiles.bricks);
     }
-    return static_cast<std::size_t>(end - index.flags.begin());
+    return tiles;
 }
 
 void check_scales(const Scales& scales) {
@@ -205,9 +215,9 @@ void check_scales(const Scales& scales) {
     }
 }
 
-std::vector<Brick> read_bricks(const Index& index, std::size_t used) {
+std::vector<Brick> read_bricks(const Index& index, std::size_t count) {
     std::vector<Brick> bricks;
-    for (std::size_t t = 0; t < used; ++t) {
+    for (std::size_t t = 0; t < count; ++t) {
         // What does not fit an int turns negative, which check_volume refuses.
         bricks.push_back({static_cast<int>(index.grid[t]),
                           {static_cast<int>(index.origin[0][t]), static_cast<int>(index.origin[1][t]),
@@ -270,14 +280,14 @@ void spread_grey(std::vector<glm::vec3>& values) {
     for (glm::vec3& v : values) v = glm::vec3(v.r);
 }
 
-void read_list(Imf::MultiPartInputFile& file, Layout layout, std::size_t used_tiles, Volume& volume) {
+void read_list(Imf::MultiPartInputFile& file, std::size_t tiles, Volume& volume) {
     const int part = require_part(file, list_part);
     const int length = attribute<Imf::IntAttribute>(file.header(part), list_length_attribute);
-    if (length < 1 || tiles_for(length) != used_tiles) {
-        throw Error(fmt::format("{} probes do not fit {} tiles", length, used_tiles), in_part(file.header(part)));
+    if (length < 1 || tiles_for(length) != tiles) {
+        throw Error(fmt::format("{} probes do not fit {} tiles", length, tiles), in_part(file.header(part)));
     }
     volume.list.resize(length);
-    read_tiles(file, part, position_channels(volume), layout, volume.list.size());
+    read_tiles(file, part, position_channels(volume), layout_for(tiles), volume.list.size());
 }
 
 void read_validity(Imf::MultiPartInputFile& file, Layout layout, Volume& volume) {
@@ -331,14 +341,11 @@ Volume decode(Imf::IStream& stream) {
     const Index index = read_index(file, index_number, layout, volume);
     check_scales(index.light_scale);
     check_scales(index.error_scale);
-    const std::size_t used = count_used(index);
-    if (used == 0) throw Error("holds no probes");
-    if (volume.has_cells()) {
-        volume.bricks = read_bricks(index, used);
-    } else {
-        read_list(file, layout, used, volume);
-    }
-    volume.states.resize(volume.has_cells() ? used * probes_per_brick : volume.list.size());
+    const UsedTiles used = count_used(index);
+    if (used.bricks + used.rows == 0) throw Error("holds no probes");
+    volume.bricks = read_bricks(index, used.bricks);
+    if (used.rows > 0) read_list(file, used.rows, volume);
+    volume.states.resize(volume.list_start() + volume.list.size());
     read_validity(file, layout, volume);
     read_light(file, light, layout, index, volume);
     read_errors(file, layout, index, volume);

@@ -44,16 +44,18 @@ class OutputBytes : public Imf::OStream {
     std::size_t position_ = 0;
 };
 
-// A tiled part: its header and where its numbers are.
+// A tiled part: its header and where its numbers are, of the first `slots` probes of its tiles.
 struct Part {
     Imf::Header header;
+    Layout layout;
+    std::size_t slots;
     std::vector<ProbeChannel> channels;
     Scales scales;
 };
 
-Imf::Header make_header(const char* name, const std::string& type, Layout layout, const Imath::Box2i& data_window) {
+Imf::Header make_header(const char* name, const std::string& type, Layout all, const Imath::Box2i& data_window) {
     // The parts of a file have to share the display window.
-    Imf::Header header(layout.probes(), data_window, 1, {0, 0}, 1, Imf::INCREASING_Y, Imf::ZIP_COMPRESSION);
+    Imf::Header header(all.probes(), data_window, 1, {0, 0}, 1, Imf::INCREASING_Y, Imf::ZIP_COMPRESSION);
     header.zipCompressionLevel() = 6;  // whatever the process has as its default
     header.setName(name);
     header.setType(type);
@@ -61,20 +63,23 @@ Imf::Header make_header(const char* name, const std::string& type, Layout layout
     return header;
 }
 
-Part make_part(const char* name, Layout layout, std::vector<ProbeChannel> channels, Scales scales = {}) {
-    Imf::Header header = make_header(name, Imf::TILEDIMAGE, layout, layout.probes());
+// all  the layout of all probes: the display window, which the parts of a file share
+Part make_part(const char* name, Layout all, std::size_t slots, std::vector<ProbeChannel> channels,
+               Scales scales = {}) {
+    const Layout layout = layout_for(tiles_for(slots));
+    Imf::Header header = make_header(name, Imf::TILEDIMAGE, all, layout.probes());
     header.setTileDescription({tile_width, tile_height, Imf::ONE_LEVEL});
     for (const ProbeChannel& channel : channels) header.channels().insert(channel.name, Imf::Channel(channel.type));
-    return {std::move(header), std::move(channels), std::move(scales)};
+    return {std::move(header), layout, slots, std::move(channels), std::move(scales)};
 }
 
-void write_tiles(Imf::MultiPartOutputFile& file, int number, const Part& part, Layout layout, std::size_t slots) {
+void write_tiles(Imf::MultiPartOutputFile& file, int number, const Part& part) {
     Imf::TiledOutputPart output(file, number);
     TileBuffer tile(part.channels, false);
     output.setFrameBuffer(tile.frame());
-    for (std::size_t t = 0; t < layout.tiles(); ++t) {
+    for (std::size_t t = 0; t < part.layout.tiles(); ++t) {
         const std::size_t first = t * probes_per_brick;
-        const std::size_t count = first < slots ? std::min<std::size_t>(slots - first, probes_per_brick) : 0;
+        const std::size_t count = first < part.slots ? std::min<std::size_t>(part.slots - first, probes_per_brick) : 0;
         const float scale = part.scales.empty() ? 1.0F : part.scales[t];
         tile.clear();
         for (std::size_t c = 0; c < part.channels.size(); ++c) {
@@ -91,7 +96,7 @@ void write_tiles(Imf::MultiPartOutputFile& file, int number, const Part& part, L
                 }
             }
         }
-        output.writeTile(static_cast<int>(t % layout.columns), static_cast<int>(t / layout.columns));
+        output.writeTile(static_cast<int>(t % part.layout.columns), static_cast<int>(t / part.layout.columns));
     }
 }
 
@@ -103,7 +108,9 @@ Index make_index(const Volume& volume, Layout layout) {
     };
     for (std::size_t t = 0; t < tiles_for(volume.slots()); ++t) {
         index.flags[t] = Index::used;
-        if (volume.has_cells()) {
+        if (t >= volume.bricks.size()) {
+            index.flags[t] |= Index::rows;
+        } else {
             index.grid[t] = volume.bricks[t].grid;
             for (int axis = 0; axis < 3; ++axis) index.origin[axis][t] = volume.bricks[t].origin[axis];
         }
@@ -144,32 +151,32 @@ bool all_zero(std::span<const glm::vec3> values) {
     return std::all_of(values.begin(), values.end(), [](glm::vec3 v) { return v == glm::vec3(0); });
 }
 
-Part make_light_part(Volume& volume, Layout layout, const Index& index) {
+Part make_light_part(Volume& volume, Layout all, const Index& index) {
     // A part needs a channel: at least one band, be it dark.
     const Stored stored{std::max(1, used_bands(volume.coefficients, volume.bands)), is_grey(volume.coefficients)};
-    Part part = make_part(layer_part, layout, light_channels(volume, stored), index.light_scale);
+    Part part = make_part(layer_part, all, volume.slots(), light_channels(volume, stored), index.light_scale);
     part.header.insert(stored_bands_attribute, Imf::IntAttribute(stored.bands));
     return part;
 }
 
-Part make_error_part(Volume& volume, Layout layout, const Index& index) {
+Part make_error_part(Volume& volume, Layout all, const Index& index) {
     const Stored stored{std::max(1, used_bands(volume.errors, volume.bands)),
                         is_grey(volume.errors) && is_grey(volume.axis_errors)};
-    Part part = make_part(error_part, layout, error_channels(volume, stored), index.error_scale);
+    Part part = make_part(error_part, all, volume.slots(), error_channels(volume, stored), index.error_scale);
     part.header.insert(stored_bands_attribute, Imf::IntAttribute(stored.bands));
     return part;
 }
 
-Part make_validity_part(Volume& volume, Layout layout, std::vector<float>& states) {
+Part make_validity_part(Volume& volume, Layout all, std::vector<float>& states) {
     for (const ProbeState state : volume.states) states.push_back(static_cast<float>(state));
     std::vector<ProbeChannel> channels;
     if (!all_zero(volume.offsets)) channels = offset_channels(volume);
     channels.push_back({"state", Imf::HALF, reinterpret_cast<char*>(states.data()), sizeof(float)});
-    return make_part(validity_part, layout, std::move(channels));
+    return make_part(validity_part, all, volume.slots(), std::move(channels));
 }
 
 // The exact positions, and floats beside them that stock tools can show.
-Part make_list_part(Volume& volume, Layout layout, std::vector<glm::vec3>& relative) {
+Part make_list_part(Volume& volume, Layout all, std::vector<glm::vec3>& relative) {
     const glm::dvec3 origin = volume.list.front();
     for (const glm::dvec3& position : volume.list) relative.emplace_back(position - origin);
     std::vector<ProbeChannel> channels = position_channels(volume);
@@ -177,7 +184,7 @@ Part make_list_part(Volume& volume, Layout layout, std::vector<glm::vec3>& relat
         channels.push_back(
             {std::string(1, "xyz"[axis]), Imf::FLOAT, reinterpret_cast<char*>(&relative[0][axis]), sizeof(glm::vec3)});
     }
-    Part part = make_part(list_part, layout, std::move(channels));
+    Part part = make_part(list_part, all, volume.list.size(), std::move(channels));
     part.header.insert(list_length_attribute, Imf::IntAttribute(static_cast<int>(volume.list.size())));
     part.header.insert(list_origin_attribute, Imf::V3dAttribute({origin.x, origin.y, origin.z}));
     return part;
@@ -191,11 +198,10 @@ std::string encode(Volume& volume) {
     std::vector<glm::vec3> relative;
 
     std::vector<Part> parts{make_light_part(volume, layout, index)};
-    if (!all_zero(volume.errors) || !all_zero(volume.axis_errors)) {
+    if (!all_zero(volume.errors) || !all_zero(volume.axis_errors))
         parts.push_back(make_error_part(volume, layout, index));
-    }
     parts.push_back(make_validity_part(volume, layout, states));
-    if (!volume.has_cells()) parts.push_back(make_list_part(volume, layout, relative));
+    if (!volume.list.empty()) parts.push_back(make_list_part(volume, layout, relative));
 
     std::vector<Imf::Header> headers;
     headers.reserve(parts.size() + 1);
@@ -207,7 +213,7 @@ std::string encode(Volume& volume) {
         // No threads: the order of calls is the order of bytes.
         Imf::MultiPartOutputFile file(stream, headers.data(), static_cast<int>(headers.size()), false, 0);
         for (std::size_t i = 0; i < parts.size(); ++i) {
-            write_tiles(file, static_cast<int>(i), parts[i], layout, volume.slots());
+            write_tiles(file, static_cast<int>(i), parts[i]);
         }
         Imf::OutputPart output(file, static_cast<int>(parts.size()));
         output.setFrameBuffer(index_frame);

@@ -307,10 +307,10 @@ void add_kitchen(Glb& glb, const Palette& p, int chair_mesh, int plant_mesh) {
         add_box(counter, p.oak, {x - 0.006F, 0.13F, 3.66F}, {x + 0.006F, 0.85F, 3.668F});
     glb.place(glb.add_mesh(counter, "counter"), "counter");
     const int jar = glb.add_mesh(vase(p.china, 0.26F), "jar");
-    std::vector<Placement> jars;
-    for (int i = 0; i < 5; ++i) {
-        jars.push_back(
-            at({6.4F + 0.42F * static_cast<float>(i), 1.54F, 3.22F}, 0, 0.8F + 0.12F * static_cast<float>(i % 3)));
+    std::array<Placement, 5> jars;
+    for (std::size_t i = 0; i < jars.size(); ++i) {
+        const glm::vec3 place{6.4F + 0.42F * static_cast<float>(i), 1.54F, 3.22F};
+        jars[i] = at(place, 0, 0.8F + 0.12F * static_cast<float>(i % 3));
     }
     glb.place_instances(jar, "jars", jars);
     show(bowl(p.glaze, p.rust, 0.14F), "counter bowl", at({7.7F, 0.91F, 3.4F}));

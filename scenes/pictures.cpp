@@ -40,8 +40,8 @@ Picture draw(int width, int height, const Color& srgb) {
         for (int x = 0; x < width; ++x) {
             glm::vec3 sum(0);
             for (int sample = 0; sample < 4; ++sample) {
-                const glm::vec2 offset{0.25F + 0.5F * static_cast<float>(sample % 2),
-                                       0.25F + 0.5F * static_cast<float>(sample / 2)};
+                const glm::ivec2 place(sample % 2, sample / 2);
+                const glm::vec2 offset = 0.25F + 0.5F * glm::vec2(place);
                 sum += srgb((glm::vec2(x, y) + offset) / glm::vec2(width, height));
             }
             const glm::vec3 byte = glm::round(255.0F * glm::clamp(0.25F * sum, 0.0F, 1.0F));

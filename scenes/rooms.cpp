@@ -2,7 +2,6 @@
 #include "scenes/shapes.h"
 
 #include <array>
-#include <vector>
 
 namespace lightgrid::scenes {
 namespace {
@@ -137,8 +136,8 @@ Glb courtyard() {
                                                  {0.28F, 3},
                                                  {0, 3}}};
     add_lathe(column, stone, profile, 24);
-    std::vector<Placement> columns;
-    for (int i = 0; i < 5; ++i) columns.push_back({.translation = {-4.8F + 2.4F * static_cast<float>(i), 0, -5.3F}});
+    std::array<Placement, 5> columns;
+    for (std::size_t i = 0; i < 5; ++i) columns[i].translation = {-4.8F + 2.4F * static_cast<float>(i), 0, -5.3F};
     glb.place_instances(glb.add_mesh(column, "column"), "colonnade", columns);
 
     Shape basin;

@@ -1,6 +1,7 @@
 #include "tools/canvas.h"
 
 #include "core/error.h"
+#include "core/whole_file.h"
 #include "tools/lettering.h"
 
 #include <stb_image_write.h>
@@ -86,9 +87,14 @@ void Canvas::write_png(const std::filesystem::path& path) const {
         const glm::vec3 rounded = glm::round(255.0F * glm::clamp(pixel, 0.0F, 1.0F));
         for (int channel = 0; channel < 3; ++channel) bytes.push_back(static_cast<std::uint8_t>(rounded[channel]));
     }
-    if (stbi_write_png(path.string().c_str(), width, height, 3, bytes.data(), width * 3) == 0) {
-        throw Error("cannot be written", path.string(), "Check that the folder exists and has room", Fault::work);
+    std::string png;
+    const auto append = [](void* to, void* data, int size) {
+        static_cast<std::string*>(to)->append(static_cast<const char*>(data), static_cast<std::size_t>(size));
+    };
+    if (stbi_write_png_to_func(append, &png, width, height, 3, bytes.data(), width * 3) == 0) {
+        throw Error("does not fit into memory as PNG", path.string(), "Draw a smaller picture", Fault::work);
     }
+    write_whole_file(path, png);
 }
 
 }  // namespace lightgrid

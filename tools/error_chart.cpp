@@ -75,19 +75,20 @@ std::string frame(const Axis& x, const Axis& y) {
 }
 
 std::string curve(const std::vector<CurvePoint>& points, const Axis& x, const Axis& y) {
-    std::string upper;
-    std::string lower;
+    std::string band;  // along the upper edge, and back along the lower
     std::string middle;
     std::string dots;
     for (const CurvePoint& point : points) {
-        upper += fmt::format("{:.1f},{:.1f} ", x.place(point.seconds), y.place(point.high));
-        lower = fmt::format("{:.1f},{:.1f} ", x.place(point.seconds), y.place(point.low)) + lower;
+        band += fmt::format("{:.1f},{:.1f} ", x.place(point.seconds), y.place(point.high));
         middle += fmt::format("{:.1f},{:.1f} ", x.place(point.seconds), y.place(point.error));
         dots += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3.5\" class=\"dot\"/>\n", x.place(point.seconds),
                             y.place(point.error));
     }
-    return fmt::format("<polygon points=\"{}{}\" class=\"band\"/>\n<polyline points=\"{}\" class=\"curve\"/>\n{}",
-                       upper, lower, middle, dots);
+    for (auto point = points.rbegin(); point != points.rend(); ++point) {
+        band += fmt::format("{:.1f},{:.1f} ", x.place(point->seconds), y.place(point->low));
+    }
+    return fmt::format("<polygon points=\"{}\" class=\"band\"/>\n<polyline points=\"{}\" class=\"curve\"/>\n{}", band,
+                       middle, dots);
 }
 
 /// Error ~ seconds^-1/2 through the first point: what pure noise would do.
@@ -95,10 +96,13 @@ std::string noise_slope(const std::vector<CurvePoint>& points, const Axis& x, co
     const CurvePoint& first = points.front();
     const double end = std::min(points.back().seconds, first.seconds * std::pow(first.error / y.first, 2));
     const double error = first.error * std::sqrt(first.seconds / end);
-    const double middle_x = 0.5 * (x.place(first.seconds) + x.place(end));
-    const double middle_y = 0.5 * (y.place(first.error) + y.place(error));
-    return line(x.place(first.seconds), y.place(first.error), x.place(end), y.place(error), "class=\"slope\"") +
-           text(middle_x - 12, middle_y + 16, "noise alone, slope -1/2", "text-anchor=\"end\" class=\"note\"");
+    const double at_x = x.place(end);
+    const double at_y = y.place(error);
+    // Beside the line's lower end, where the curve is not: to its right if there is room.
+    const bool to_the_right = at_x < right - 180;
+    return line(x.place(first.seconds), y.place(first.error), at_x, at_y, "class=\"slope\"") +
+           text(to_the_right ? at_x + 8 : at_x - 24, at_y - 8, "noise alone, slope -1/2",
+                to_the_right ? "class=\"note\"" : "text-anchor=\"end\" class=\"note\"");
 }
 
 /// A bar a part, with its interval; the parts add as squares.

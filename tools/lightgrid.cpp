@@ -109,7 +109,7 @@ void add_draw(CLI::App& program) {
         ->delimiter(',')
         ->check(finite())
         ->expected(3);
-    verb->add_option("--camera", options->camera, "Draws a view: x,y,z of the eye and of what it looks at")
+    verb->add_option("--camera", options->camera, "The view: x,y,z of the eye and of what it looks at (default: found)")
         ->delimiter(',')
         ->check(finite())
         ->expected(6);

@@ -119,7 +119,8 @@ View render(const LitLevel& level, const Camera& camera, glm::ivec2 size, int sa
             glm::dvec3 sum(0);
             int inside = 0;
             for (int i = 0; i < samples * samples; ++i) {
-                const Camera::Ray ray = ray_at((i % samples + 0.5) / samples, (i / samples + 0.5) / samples);
+                const glm::ivec2 place(i % samples, i / samples);
+                const Camera::Ray ray = ray_at((place.x + 0.5) / samples, (place.y + 0.5) / samples);
                 const Look seen = look(level, ray.origin, ray.direction, camera.cut.has_value());
                 sum += glm::dvec3(seen.radiance);
                 inside += seen.section ? 1 : 0;

@@ -22,15 +22,6 @@ const glm::vec3 section_fill = hex_color(0x2E3238);
 constexpr int margin = 36;
 constexpr int line_height = 24;
 
-Box bounds_of(const Volume& volume) {
-    Box box;
-    for (const Grid& grid : volume.grids) {
-        box.extend(grid.origin);
-        box.extend(grid.position(grid.counts - 1));
-    }
-    return box;
-}
-
 Canvas developed(const View& view, float exposure) {
     Canvas canvas(view.light.width, view.light.height, paper);
     for (std::size_t i = 0; i < canvas.pixels.size(); ++i) {
@@ -251,15 +242,24 @@ void draw_spheres(Canvas& canvas, const View& view, const Camera& camera, const 
     }
 }
 
-float smallest_spacing(const Volume& volume) {
+}  // namespace
+
+Box bounds_of(const Volume& volume) {
+    Box box;
+    for (const Grid& grid : volume.grids) {
+        box.extend(grid.origin);
+        box.extend(grid.position(grid.counts - 1));
+    }
+    return box;
+}
+
+double finest_spacing(const Volume& volume) {
     double spacing = std::numeric_limits<double>::infinity();
     for (const Grid& grid : volume.grids) {
         spacing = std::min({spacing, grid.spacing.x, grid.spacing.y, grid.spacing.z});
     }
-    return static_cast<float>(spacing);
+    return spacing;
 }
-
-}  // namespace
 
 Canvas draw_view(const LitLevel& level, const Camera& camera, const PictureOptions& options) {
     const View view = render(level, camera, {options.width, options.width * 9 / 16}, 3);
@@ -310,7 +310,7 @@ Canvas draw_slices(const LitLevel& level, const Volume& volume, const PictureOpt
 
 Canvas draw_probes(const LitLevel& level, const Volume& volume, const PictureOptions& options) {
     const Box box = bounds_of(volume);
-    const float radius = 0.2F * smallest_spacing(volume);
+    const float radius = static_cast<float>(0.2 * finest_spacing(volume));
     const int width = options.width - 2 * margin;
     const Layer plan = nearest_layer(volume, 1, options.at.y);
     const Layer front = nearest_layer(volume, 2, options.at.z);

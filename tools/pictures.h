@@ -12,6 +12,10 @@
 /// What `lightgrid draw` draws.
 namespace lightgrid {
 
+/// Of all probes, and the least distance between two of them along an axis, metres.
+[[nodiscard]] Box bounds_of(const Volume& volume);
+[[nodiscard]] double finest_spacing(const Volume& volume);
+
 struct PictureOptions {
     glm::dvec3 at{0};               // the point that slices and cuts go through
     int width = 1280;               // pixels

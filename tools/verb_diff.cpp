@@ -141,7 +141,7 @@ Reference load_reference(const std::string& path) {
     return reference_from(CsvTable(std::move(bytes), path));
 }
 
-// Light at a place, by interpolation, or of exactly that row of a probe list.
+// Light at a place: of exactly that row of a list, or by interpolation.
 class LightAt {
   public:
     LightAt(const Volume& volume, const std::string& name) : volume_(volume), name_(name) {
@@ -151,16 +151,17 @@ class LightAt {
 
     // Writes coefficients; false: no valid probe is behind them.
     bool operator()(glm::dvec3 position, std::span<glm::vec3> sh) const {
-        if (sampler_) return sampler_->sample(position, sh) > 0;
         const auto found = rows_.find(key_of(position));
+        if (found == rows_.end() && sampler_) return sampler_->sample(position, sh) > 0;
         if (found == rows_.end()) {
             throw Error(
                 fmt::format("is a probe list and has no probe at {}, {}, {}", position.x, position.y, position.z),
                 name_, "Compare it with a list of the same places, or bake a volume with a grid.");
         }
-        const auto light = volume_.sh(found->second);
+        const std::size_t slot = volume_.list_start() + found->second;
+        const auto light = volume_.sh(slot);
         std::copy(light.begin(), light.end(), sh.begin());
-        return is_valid(volume_.states[found->second]);
+        return is_valid(volume_.states[slot]);
     }
 
   private:

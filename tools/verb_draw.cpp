@@ -7,12 +7,13 @@
 #include "tools/pictures.h"
 #include "tools/program.h"
 #include "tools/verbs.h"
+#include "tools/viewpoint.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <algorithm>
 #include <filesystem>
+#include <system_error>
 #include <vector>
 
 namespace lightgrid {
@@ -20,21 +21,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
-double finest_spacing(const Volume& volume) {
-    double spacing = volume.grids.front().spacing.x;
-    for (const Grid& grid : volume.grids) {
-        spacing = std::min({spacing, grid.spacing.x, grid.spacing.y, grid.spacing.z});
-    }
-    return spacing;
+Camera choose_camera(const DrawOptions& options, const Tracer& tracer, const Volume& volume) {
+    if (options.camera.empty()) return find_viewpoint(tracer, volume, options.angle_deg);
+    const glm::dvec3 eye(options.camera[0], options.camera[1], options.camera[2]);
+    const glm::dvec3 target(options.camera[3], options.camera[4], options.camera[5]);
+    if (eye == target) throw Error("eye and target are the same point", "--camera");
+    return Camera::looking_at(eye, target, options.angle_deg);
 }
 
-glm::dvec3 middle_of(const Volume& volume) {
-    Box box;
-    for (const Grid& grid : volume.grids) {
-        box.extend(grid.origin);
-        box.extend(grid.position(grid.counts - 1));
+nlohmann::json read_report(const std::string& path) {
+    try {
+        return nlohmann::json::parse(read_whole_file(path));
+    } catch (const nlohmann::json::exception& problem) {
+        throw Error(problem.what(), path, "Give the file that --report-json wrote");
     }
-    return box.min + glm::dvec3(0.5, 0.4, 0.5) * box.size();
 }
 
 }  // namespace
@@ -48,7 +48,8 @@ void run_draw(const DrawOptions& options) {
     PictureOptions pictures;
     pictures.width = options.width;
     pictures.exposure = options.exposure;
-    pictures.at = options.at.value_or(middle_of(volume));
+    const Box box = bounds_of(volume);
+    pictures.at = options.at.value_or(box.min + glm::dvec3(0.5, 0.4, 0.5) * box.size());
     const ChosenLight light = choose_light(options.light);
 
     const Scene scene = load_level(options.level, {options.scene});
@@ -62,29 +63,24 @@ void run_draw(const DrawOptions& options) {
                                 .environment = sky};
     const LitLevel level{&tracer, &sampler, &light.environment, look_up};
 
+    const std::string chart =
+        options.report.empty() ? std::string() : error_chart(read_report(options.report), options.report);
+    const Camera camera = choose_camera(options, tracer, volume);
+
     const fs::path folder = options.folder;
-    fs::create_directories(folder);
+    std::error_code problem;
+    fs::create_directories(folder, problem);
+    if (problem)
+        throw Error("cannot be created: " + problem.message(), options.folder, "Choose another --output", Fault::work);
     const auto save = [&](const Canvas& canvas, const char* name) {
         canvas.write_png(folder / name);
         print(fmt::format("{}\n", (folder / name).string()));
     };
-    if (!options.camera.empty()) {
-        const std::vector<double>& n = options.camera;
-        const glm::dvec3 eye(n[0], n[1], n[2]);
-        const glm::dvec3 target(n[3], n[4], n[5]);
-        if (eye == target) throw Error("eye and target are the same point", "--camera");
-        save(draw_view(level, Camera::looking_at(eye, target, options.angle_deg), pictures), "view.png");
-    }
+    save(draw_view(level, camera, pictures), "view.png");
     save(draw_slices(level, volume, pictures), "slices.png");
     save(draw_probes(level, volume, pictures), "probes.png");
-    if (!options.report.empty()) {
-        nlohmann::json report;
-        try {
-            report = nlohmann::json::parse(read_whole_file(options.report));
-        } catch (const nlohmann::json::exception& problem) {
-            throw Error(problem.what(), options.report, "Give the file that --report-json wrote");
-        }
-        write_whole_file(folder / "error.svg", error_chart(report, options.report));
+    if (!chart.empty()) {
+        write_whole_file(folder / "error.svg", chart);
         print(fmt::format("{}\n", (folder / "error.svg").string()));
     }
 }

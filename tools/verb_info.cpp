@@ -90,7 +90,9 @@ void print_text(const std::string& path, std::size_t bytes, const Volume& volume
     const Summary summary = summarize(volume);
     const auto line = [](const char* label, const std::string& text) { print(fmt::format("{:<16}{}\n", label, text)); };
     line("file", fmt::format("{}, {} bytes, format {}", path, bytes, volume_format));
-    if (!volume.has_cells()) line("probe list", fmt::format("{} places, no cells", volume.list.size()));
+    if (!volume.list.empty()) {
+        line("probe list", fmt::format("{} places{}", volume.list.size(), volume.has_cells() ? "" : ", no cells"));
+    }
     for (std::size_t g = 0; g < volume.grids.size(); ++g) {
         const Grid& grid = volume.grids[g];
         line(fmt::format("grid {}", g).c_str(),
@@ -135,6 +137,7 @@ void print_json(const std::string& path, std::size_t bytes, const Volume& volume
             {{"origin", to_json(grid.origin)}, {"spacing", to_json(grid.spacing)}, {"counts", to_json(grid.counts)}});
     }
     json["bricks"] = volume.bricks.size();
+    json["list"] = volume.list.size();
     json["probes"] = {{"total", summary.probes()},
                       {"valid", summary.valid()},
                       {"moved", summary.count(ProbeState::moved)},

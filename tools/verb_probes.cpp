@@ -9,18 +9,18 @@
 namespace lightgrid {
 namespace {
 
-// A list's rows as they are; a grid's probes with x running fastest, then y, then z, whatever bricks they are stored
-// in.
+// A grid's probes with x running fastest, then y, then z, whatever bricks they are stored in; then a list's rows as they
+// are.
 std::vector<std::size_t> stored_probes(const Volume& volume) {
     std::vector<std::size_t> slots(volume.slots());
     std::iota(slots.begin(), slots.end(), std::size_t{0});
-    if (!volume.has_cells()) return slots;
-    std::erase_if(slots, [&](std::size_t slot) { return volume.states[slot] == ProbeState::absent; });
     const auto order = [&](std::size_t slot) {
         const glm::ivec3 probe = lattice_index(volume, slot);
         return std::tuple(volume.bricks[slot / probes_per_brick].grid, probe.z, probe.y, probe.x);
     };
-    std::sort(slots.begin(), slots.end(), [&](std::size_t a, std::size_t b) { return order(a) < order(b); });
+    std::sort(slots.begin(), slots.begin() + static_cast<std::ptrdiff_t>(volume.list_start()),
+              [&](std::size_t a, std::size_t b) { return order(a) < order(b); });
+    std::erase_if(slots, [&](std::size_t slot) { return volume.states[slot] == ProbeState::absent; });
     return slots;
 }
 

@@ -23,7 +23,7 @@ struct QueryOptions {
     float normal_bias = 0;
     std::string outside = "clamp";  // or "fade"
     float fade_distance = 1;
-    glm::vec3 sky{0};  // radiance that `fade` goes to, the same from everywhere
+    glm::vec3 sky{0};     // radiance that `fade` goes to, the same from everywhere
     bool dering = false;  // windows the coefficients at each point so that irradiance is nowhere negative
 };
 void run_query(const QueryOptions& options);
@@ -49,7 +49,7 @@ struct DrawOptions {
     int scene = -1;                    // -1: the file's own choice
     LightOptions light;                // what is around the level; the light on it is the volume's
     std::optional<glm::dvec3> at;      // where slices and cuts go through; none: the volume's middle
-    std::vector<double> camera;        // eye and target; empty: no view
+    std::vector<double> camera;        // eye and target; empty: found
     double angle_deg = 70;             // the camera's, horizontally
     std::optional<float> exposure;     // per cd/m^2; none: automatic
     std::optional<float> normal_bias;  // metres; none: three tenths of the spacing

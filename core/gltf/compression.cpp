@@ -60,7 +60,8 @@ DracoMesh::Attribute read_attribute(const draco::Mesh& mesh, const std::string& 
     attribute.components = source->num_components();
     if (attribute.component_type < 0)
         throw Error("Draco data is of a type that glTF does not have", name, export_again);
-    const auto size = static_cast<std::size_t>(draco::DataTypeLength(source->data_type()) * source->num_components());
+    const auto size = static_cast<std::size_t>(draco::DataTypeLength(source->data_type())) *
+                      static_cast<std::size_t>(source->num_components());
     attribute.data.resize(mesh.num_points() * size);
     for (draco::PointIndex point(0); point < mesh.num_points(); ++point) {
         const draco::AttributeValueIndex value = source->mapped_index(point);

@@ -116,10 +116,10 @@ std::string percent_decoded(std::string_view uri) {
 std::optional<std::string> base64_decoded(std::string_view text) {
     static constexpr std::string_view alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     static constexpr auto values = [] {
-        std::array<std::int8_t, 256> table{};
+        std::array<int, 256> table{};
         table.fill(-1);
         for (std::size_t i = 0; i < alphabet.size(); ++i)
-            table[static_cast<unsigned char>(alphabet[i])] = static_cast<std::int8_t>(i);
+            table[static_cast<unsigned char>(alphabet[i])] = static_cast<int>(i);
         return table;
     }();
     while (!text.empty() && text.back() == '=') text.remove_suffix(1);

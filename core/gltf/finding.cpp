@@ -21,9 +21,9 @@ std::vector<std::string> Notices::lines() const {
         const std::vector<std::string>& places = places_.at(problem);
         std::string names;
         for (std::size_t i = 0; i < places.size() && i < most_names; ++i)
-            names += (i == 0 || places[i].empty() ? "" : ", ") + places[i];
+            names.append(i == 0 || places[i].empty() ? "" : ", ").append(places[i]);
         if (places.size() > most_names) names += fmt::format(" and {} more", places.size() - most_names);
-        result.push_back(names.empty() ? problem : names + ": " + problem);
+        result.push_back(names.empty() ? problem : fmt::format("{}: {}", names, problem));
     }
     return result;
 }

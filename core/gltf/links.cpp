@@ -53,6 +53,16 @@ bool has_format(std::string_view attribute, const Accessor& accessor) {
     return true;
 }
 
+/// The same for EXT_mesh_gpu_instancing.
+bool has_instancing_format(std::string_view attribute, const Accessor& accessor) {
+    if (attribute == "TRANSLATION" || attribute == "SCALE")
+        return accessor.type == TINYGLTF_TYPE_VEC3 && accessor.componentType == float_type;
+    if (attribute != "ROTATION") return true;
+    return accessor.type == TINYGLTF_TYPE_VEC4 &&
+           (accessor.componentType == float_type ||
+            (accessor.normalized && is_one_of(accessor.componentType, {byte_type, short_type})));
+}
+
 std::string format_of(const Accessor& accessor) {
     static const std::map<int, const char*> types = {{TINYGLTF_TYPE_SCALAR, "SCALAR"}, {TINYGLTF_TYPE_VEC2, "VEC2"},
                                                      {TINYGLTF_TYPE_VEC3, "VEC3"},     {TINYGLTF_TYPE_VEC4, "VEC4"},
@@ -86,13 +96,12 @@ class Links {
     }
 
   private:
-    /// `name`: of the thing, for people. `part`: a JSON pointer from the thing on; with `own`, the part is a thing that
-    /// is read on its own.
     struct Place {
-        std::string thing;
-        std::string name;
+        std::string thing;  // JSON pointer
+        std::string name;   // for people
     };
 
+    /// `part`: a JSON pointer from the thing on.
     void bad(const Place& place, const std::string& part, const std::string& problem) {
         findings_.push_back({place.thing, fmt::format("{} ({}{})", place.name, place.thing, part), problem});
     }
@@ -209,7 +218,7 @@ class Links {
         const auto position = primitive.attributes.find("POSITION");
         std::map<std::string, int> sets;  // how many of "TEXCOORD" etc. there are
         for (const auto& [name, index] : primitive.attributes) {
-            const std::string here = part + "/attributes/" + name;
+            const std::string here = fmt::format("{}/attributes/{}", part, name);
             const Accessor& data = accessor(index);
             if (is_broken(index)) continue;
             if (!has_format(name, data))
@@ -386,13 +395,8 @@ class Links {
         std::size_t count = 0;
         for (const std::string& name : attributes.Keys()) {
             const Accessor& data = accessor(attributes.Get(name).GetNumberAsInt());
-            const bool is_vector = name == "TRANSLATION" || name == "SCALE";
-            if ((is_vector && (data.type != TINYGLTF_TYPE_VEC3 || data.componentType != float_type)) ||
-                (name == "ROTATION" &&
-                 (data.type != TINYGLTF_TYPE_VEC4 ||
-                  !(data.componentType == float_type ||
-                    (data.normalized && is_one_of(data.componentType, {byte_type, short_type}))))))
-                bad(place, part + "/" + name, fmt::format("is {}", format_of(data)));
+            if (!has_instancing_format(name, data))
+                bad(place, fmt::format("{}/{}", part, name), fmt::format("is {}", format_of(data)));
             if (count != 0 && data.count != count)
                 bad(place, part, fmt::format("{} has {} elements, but others have {}", name, data.count, count));
             count = data.count;

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <tuple>
 #include <utility>
 
 namespace lightgrid::gltf {
@@ -18,7 +19,11 @@ struct TextureKey {
     Wrap wrap_u;
     Wrap wrap_v;
     bool nearest;
-    auto operator<=>(const TextureKey&) const = default;
+
+    bool operator<(const TextureKey& other) const {
+        return std::tie(image, wrap_u, wrap_v, nearest) <
+               std::tie(other.image, other.wrap_u, other.wrap_v, other.nearest);
+    }
 };
 
 Wrap wrap_of(int mode) {
@@ -199,9 +204,13 @@ std::vector<Texture> decode_textures(const Document& document, const std::vector
     for_each_index(images.size(), [&](std::size_t i) {
         const auto& [image, users] = images[i];
         ByteImage decoded = document.image(image);
-        for (const std::size_t user : users)
-            textures[user] = {user == users.back() ? std::move(decoded) : decoded, keys[user].wrap_u, keys[user].wrap_v,
-                              keys[user].nearest};
+        for (const std::size_t user : users) {
+            textures[user].wrap_u = keys[user].wrap_u;
+            textures[user].wrap_v = keys[user].wrap_v;
+            textures[user].nearest = keys[user].nearest;
+            if (user != users.front()) textures[user].image = decoded;
+        }
+        textures[users.front()].image = std::move(decoded);
     });
     return textures;
 }

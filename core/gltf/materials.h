@@ -14,7 +14,10 @@ struct LoadedMaterials {
     std::vector<std::string> names;  // for people, by index in Scene::materials: `material "brick"`
 
     /// -1 stands for none.
-    [[nodiscard]] int index_of(int material) const { return indices[static_cast<std::size_t>(material + 1)]; }
+    [[nodiscard]] static std::size_t slot_of(int material) {
+        return material < 0 ? 0 : static_cast<std::size_t>(material) + 1;
+    }
+    [[nodiscard]] int index_of(int material) const { return indices[slot_of(material)]; }
 };
 
 /// Fills scene.materials with the materials that are used, and scene.textures with what light reads of them, decoded on

@@ -3,17 +3,10 @@
 #include "core/gltf/markers.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 namespace lightgrid::gltf {
 namespace {
-
-/// Whether a transform can be undone in float, as tracing an instance does.
-bool can_be_undone(const glm::dmat4& transform) {
-    const auto volume = static_cast<float>(glm::determinant(glm::dmat3(transform)));
-    return std::isnormal(volume) && std::isnormal(1 / volume);
-}
 
 bool is_skinned(const tinygltf::Mesh& mesh) {
     return std::any_of(mesh.primitives.begin(), mesh.primitives.end(),
@@ -42,7 +35,7 @@ std::vector<Shape> find_shapes(const Document& document, const std::vector<Place
             continue;
         }
         for (const glm::dmat4& transform : transforms_of(document, placed)) {
-            if (!can_be_undone(transform)) {
+            if (is_flat(glm::dmat3(transform))) {
                 shapes.push_back({key, -1, {transform}});
                 continue;
             }

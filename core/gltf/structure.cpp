@@ -31,7 +31,7 @@ struct Report {
     bool read = true;  // whether light paths read the part being checked
 };
 
-std::string escaped(std::string key) {
+std::string escaped(const std::string& key) {
     std::string result;
     for (const char c : key) result += c == '~' ? "~0" : c == '/' ? "~1" : std::string(1, c);
     return result;

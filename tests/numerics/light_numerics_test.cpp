@@ -2,16 +2,13 @@
 #include "probes/gather.h"
 #include "probes/placement.h"
 #include "probes/sampler.h"
+#include "tests/gltf_builder.h"
 #include "tests/numerics/naive_light.h"
 #include "tests/numerics/numerics_row.h"
 #include "tests/polygon_light.h"
 #include "tests/scene_builder.h"
 
-#include <nlohmann/json.hpp>
-
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <numbers>
 
 namespace lightgrid {
@@ -119,14 +116,10 @@ TEST(LightNumerics, TheSameLevelAtAnyScale) {
     }
 }
 
-/// The scene as a glTF file whose one node is moved by `translation`.
-std::filesystem::path write_gltf(const Scene& scene, glm::dvec3 translation) {
-    const std::filesystem::path folder = testing::TempDir();
-    nlohmann::json gltf = {{"asset", {{"version", "2.0"}}},
-                           {"scene", 0},
-                           {"scenes", {{{"nodes", {0}}}}},
-                           {"nodes", {{{"mesh", 0}, {"translation", {translation.x, translation.y, translation.z}}}}},
-                           {"extensionsUsed", {"KHR_materials_emissive_strength"}}};
+/// The scene as glTF, one node for each mesh, moved by `translation`.
+GltfBuilder as_gltf(const Scene& scene, glm::dvec3 translation) {
+    GltfBuilder builder;
+    builder.use("KHR_materials_emissive_strength");
     for (const Material& material : scene.materials) {
         const glm::vec3 c = material.base_color;
         nlohmann::json json = {{"pbrMetallicRoughness", {{"baseColorFactor", {c.x, c.y, c.z, 1}}}}};
@@ -134,46 +127,34 @@ std::filesystem::path write_gltf(const Scene& scene, glm::dvec3 translation) {
             json["emissiveFactor"] = {1, 1, 1};
             json["extensions"]["KHR_materials_emissive_strength"]["emissiveStrength"] = material.emission.x;
         }
-        gltf["materials"].push_back(json);
+        builder.add("materials", json);
     }
-    std::string bytes;
-    const auto append = [&](const auto& values, int component_type, const char* type, std::size_t count) {
-        const std::size_t size = values.size() * sizeof(values[0]);
-        gltf["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", bytes.size()}, {"byteLength", size}});
-        bytes.append(reinterpret_cast<const char*>(values.data()), size);
-        gltf["accessors"].push_back({{"bufferView", gltf["bufferViews"].size() - 1},
-                                     {"componentType", component_type},
-                                     {"type", type},
-                                     {"count", count}});
-        return gltf["accessors"].size() - 1;
-    };
+    builder.json["scenes"][0]["nodes"].clear();
     for (const Mesh& mesh : scene.meshes) {
-        const std::size_t positions = append(mesh.positions, 5126, "VEC3", mesh.positions.size());
-        Box box;
-        for (const glm::vec3& p : mesh.positions) box.extend(glm::dvec3(p));
-        gltf["accessors"][positions]["min"] = {box.min.x, box.min.y, box.min.z};
-        gltf["accessors"][positions]["max"] = {box.max.x, box.max.y, box.max.z};
-        const std::size_t indices = append(mesh.triangles, 5125, "SCALAR", 3 * mesh.triangles.size());
-        gltf["meshes"][0]["primitives"].push_back(
-            {{"attributes", {{"POSITION", positions}}}, {"indices", indices}, {"material", mesh.material}});
+        std::vector<std::uint32_t> indices;
+        for (const glm::uvec3& t : mesh.triangles) indices.insert(indices.end(), {t.x, t.y, t.z});
+        const int added = builder.mesh({{"attributes", {{"POSITION", builder.vec3s(mesh.positions)}}},
+                                        {"indices", builder.indices(indices)},
+                                        {"material", mesh.material}});
+        builder.json["scenes"][0]["nodes"].push_back(
+            builder.node({{"mesh", added}, {"translation", {translation.x, translation.y, translation.z}}}));
     }
-    gltf["buffers"] = {{{"uri", "moved.bin"}, {"byteLength", bytes.size()}}};
-    std::ofstream(folder / "moved.bin", std::ios::binary) << bytes;
-    std::ofstream(folder / "moved.gltf") << gltf.dump();
-    return folder / "moved.gltf";
+    return builder;
 }
 
 TEST(LightNumerics, TheSameLevelFarAway) {
     // A doll's house of 40 x 30 x 50 cm, at the origin and 100 km from it.
     const glm::dvec3 away(1e5, -1e5, 1e5 + 0.3);
     const Scene doll = room(0.1F);
-    const auto at = [&](const std::filesystem::path& path, glm::dvec3 shift) {
-        const Scene scene = load_level(path);
+    const auto at = [&](glm::dvec3 shift) {
+        const TemporaryFolder folder;
+        write_bytes(folder.path() / "moved.glb", as_gltf(doll, shift).glb());
+        const Scene scene = load_level(folder.path() / "moved.glb");
         const glm::vec3 point(glm::dvec3(0.1F * room_point) + shift - scene.origin);
         return light_at(scene, no_sky, point, room_normal, room_samples).irradiance[0];
     };
-    const Estimate exact = at(write_gltf(doll, glm::dvec3(0)), glm::dvec3(0));
-    const Estimate ours = at(write_gltf(doll, away), away);
+    const Estimate exact = at(glm::dvec3(0));
+    const Estimate ours = at(away);
     const Scene in_float = room(0.1F, glm::vec3(away));
     const double naive =
         irradiance_at(in_float, no_sky, 0.1F * room_point + glm::vec3(away), room_normal, room_samples);

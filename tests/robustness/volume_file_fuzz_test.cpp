@@ -34,7 +34,9 @@ std::vector<Kind> kinds() {
     store_as_half(half);
     Volume list = make_probe_list({{0.1, 0.2, 0.3}, {1e5, -1e5, 0}, {0, 0, 0}}, 1);
     fill(list);
-    return {{"grid", grid}, {"half", half}, {"list", list}};
+    Volume both = make_volume({{{0, 0, 0}, {1, 1, 1}, {2, 3, 2}}}, 1, {{0.1, 0.2, 0.3}, {1e5, -1e5, 0}});
+    fill(both);
+    return {{"grid", grid}, {"half", half}, {"list", list}, {"both", both}};
 }
 
 enum class Outcome { refused, accepted };

@@ -4,6 +4,7 @@
 #include "core/sh.h"
 #include "tools/error_chart.h"
 #include "tools/lettering.h"
+#include "tools/viewpoint.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -66,6 +67,28 @@ TEST(Camera, CutTakesAwayWhatIsOnItsSide) {
     Camera camera = Camera::looking_at({0, 10, 0}, {0, 0, 0}, 40);
     camera.cut = Cut{{0, 1, 0}, 2};
     EXPECT_NEAR(camera.ray({0.3, -0.2}).origin.y, 2, 1e-12);
+}
+
+TEST(Viewpoint, LooksAlongACorridor) {
+    Scene scene;
+    Mesh mesh;
+    mesh.positions.reserve(9);
+    for (const float z : {-1.0F, 1.0F}) {
+        for (const glm::vec2 corner : {glm::vec2(-8, 0), glm::vec2(8, 0), glm::vec2(8, 3), glm::vec2(-8, 3)}) {
+            mesh.positions.emplace_back(corner.x, corner.y, z);
+        }
+    }
+    mesh.triangles = {{0, 1, 2}, {0, 2, 3}, {4, 5, 6}, {4, 6, 7}};
+    scene.meshes.push_back(std::move(mesh));
+    scene.placed = {0};
+    scene.materials.emplace_back();
+    scene.bounds.extend({-8, 0, -1});
+    scene.bounds.extend({8, 3, 1});
+    Volume volume = make_volume({{{-7.5, 0.5, -0.5}, {1, 0.5, 0.5}, {16, 5, 3}}}, 3);
+    for (std::size_t slot = 0; slot < volume.slots(); ++slot) volume.coefficients[9 * slot] = glm::vec3(1);
+    const Camera camera = find_viewpoint(Tracer(scene), volume, 60);
+    EXPECT_GT(std::abs(camera.forward.x), 0.8);
+    EXPECT_GT(std::abs(camera.eye.x), 5) << "it stands at one end";
 }
 
 TEST(LitLevel, ShowsAlbedoTimesIrradianceOverPi) {

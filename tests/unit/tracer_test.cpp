@@ -548,6 +548,17 @@ TEST(Tracer, TrianglesWithoutAreaAreNotThere) {
     }
 }
 
+TEST(Tracer, RefusesAnInstanceWithoutAnInverse) {
+    // Embree would abort on its rays. The loader lets flat things stand in the level itself.
+    for (const float thickness : {0.0F, 1e-30F, 1e-10F}) {
+        Scene scene;
+        const BoxShape box = box_shape(glm::vec3(-1), glm::vec3(1), Facing::outward);
+        const int mesh = store_mesh(scene, add_grey(scene, 0.5F), box.positions, box.triangles);
+        add_instance(scene, mesh, {{1, 0, 0}, {0, thickness, 0}, {0, 0, 1}, {0, 5, 0}});
+        EXPECT_THROW(Tracer{scene}, Error);
+    }
+}
+
 TEST(Tracer, RefusesAMeshThatEmbreeWouldReadBeyond) {
     Scene scene;
     add_triangle(scene, add_grey(scene, 0.5F), {0, 0, 0}, {1, 0, 0}, {0, 1, 0});

@@ -78,6 +78,19 @@ Volume example_list(std::size_t count = 100) {
     return volume;
 }
 
+// Grids, and single probes beside them.
+Volume example_both(std::size_t count) {
+    Volume volume = example();
+    const Volume list = example_list(count);
+    volume.list = list.list;
+    volume.states.insert(volume.states.end(), list.states.begin(), list.states.end());
+    volume.coefficients.insert(volume.coefficients.end(), list.coefficients.begin(), list.coefficients.end());
+    volume.errors.insert(volume.errors.end(), list.errors.begin(), list.errors.end());
+    volume.axis_errors.insert(volume.axis_errors.end(), list.axis_errors.begin(), list.axis_errors.end());
+    volume.offsets.resize(volume.slots());
+    return volume;
+}
+
 bool same_bits(const std::vector<glm::vec3>& a, const std::vector<glm::vec3>& b) {
     return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(glm::vec3)) == 0);
 }
@@ -186,7 +199,13 @@ TEST(Volume, RefusesWhatBreaksItsInvariants) {
     EXPECT_MENTIONS(complaint(volume), "spacing 0.5 x 0 x 1 m");
     volume = example();
     volume.list.emplace_back(0);
-    EXPECT_MENTIONS(complaint(volume), "both grids and a probe list");
+    EXPECT_MENTIONS(complaint(volume), "states for");
+    volume = example_list(3);
+    volume.bricks.push_back({0, {0, 0, 0}});
+    EXPECT_MENTIONS(complaint(volume), "bricks without a grid");
+    volume = example_both(2);
+    volume.states.back() = ProbeState::absent;
+    EXPECT_MENTIONS(complaint(volume), "probe 1: absent");
     volume = example();
     volume.settings["a=b"] = "c";
     EXPECT_MENTIONS(complaint(volume), "equals sign");
@@ -212,6 +231,18 @@ TEST(VolumeFile, ReturnsEveryBitThatWasSaved) {
 TEST(VolumeFile, ReturnsProbeListsInTheirOrderWithExactPositions) {
     for (const std::size_t count : {1, 63, 64, 65, 1000}) {
         const Volume volume = example_list(count);
+        expect_same(reread(encode_volume(volume)), volume);
+    }
+}
+
+TEST(VolumeFile, ReturnsSingleProbesBesideGrids) {
+    for (const std::size_t count : {1U, 64U, 100U}) {
+        Volume volume = example_both(count);
+        expect_same(reread(encode_volume(volume)), volume);
+        for (std::size_t row = 0; row < count; ++row) {
+            EXPECT_EQ(gather_position(volume, volume.list_start() + row), volume.list[row]);
+        }
+        store_as_half(volume);
         expect_same(reread(encode_volume(volume)), volume);
     }
 }

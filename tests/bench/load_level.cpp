@@ -1,4 +1,4 @@
-// bench_load LEVEL
+// bench_load_level LEVEL
 //
 // Loading a level (load_level, then the tracer) beside the least that loading can be: reading and decoding the images
 // that light paths need, and Embree's build of the same triangles; both on all threads, in alternating rounds.
@@ -78,7 +78,7 @@ struct Column {
 };
 
 int run(int argc, char** argv) {
-    if (argc != 2) throw Error("call it with LEVEL", "bench_load");
+    if (argc != 2) throw Error("call it with LEVEL", "bench_load_level");
     const fs::path level = argv[1];
     const std::vector<fs::path> files = needed_images(level);
     Column load, build, decode, commit;
@@ -132,7 +132,7 @@ int main(int argc, char** argv) {
     try {
         return lightgrid::run(argc, argv);
     } catch (const lightgrid::Error& error) {
-        fmt::print(stderr, "bench_load: {}\n", error.what());
+        fmt::print(stderr, "bench_load_level: {}\n", error.what());
         return static_cast<int>(error.fault());
     }
 }
