@@ -5,7 +5,8 @@
 
 namespace lightgrid {
 
-/// Who has to act: decides the exit status of the programs (design: 1 the work failed, 2 the call or an input was wrong).
+/// Who has to act: decides the exit status of the programs (design: 1 the work failed, 2 the call or an input was
+/// wrong).
 enum class Fault { work = 1, input = 2 };
 
 /// The one exception of the library. `what()` reads "where: problem. remedy", with empty parts left out.

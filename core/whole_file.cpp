@@ -26,7 +26,7 @@ Error disk_error(const char* what, int error, const std::filesystem::path& path)
                  Fault::work);
 }
 
-// An open file; a temporary one is removed again unless it was kept.
+// An open file; a temporary name is removed again unless it was kept.
 class File {
   public:
     File(std::filesystem::path path, int flags, bool temporary = false)
@@ -43,7 +43,17 @@ class File {
 
     [[nodiscard]] bool is_open() const { return fd_ >= 0; }
     [[nodiscard]] int descriptor() const { return fd_; }
+    [[nodiscard]] bool has_name() const { return temporary_; }
     void keep() { temporary_ = false; }
+    // Gives a file without a name a temporary one. Returns 0 or errno.
+    int set_name(std::filesystem::path path) {
+        ::unlink(path.c_str());  // left by a killed process that had this one's number
+        if (::linkat(AT_FDCWD, through_proc().c_str(), AT_FDCWD, path.c_str(), AT_SYMLINK_FOLLOW) != 0) return errno;
+        path_ = std::move(path);
+        temporary_ = true;
+        return 0;
+    }
+    [[nodiscard]] std::string through_proc() const { return fmt::format("/proc/self/fd/{}", fd_); }
     [[nodiscard]] const std::filesystem::path& path() const { return path_; }
 
     // Each returns 0 or errno.
@@ -74,30 +84,53 @@ void write_in_place(const std::filesystem::path& path, std::string_view bytes) {
     if (const int error = file.write(bytes)) throw disk_error("cannot be written", error, path);
 }
 
-// Names that a killed process left behind, or that another thread is using, are passed over.
-File create_temporary(const std::filesystem::path& folder, const std::string& name) {
+std::filesystem::path folder_of(const std::filesystem::path& path) {
+    return path.has_parent_path() ? path.parent_path() : ".";
+}
+
+std::filesystem::path hidden_beside(const std::filesystem::path& path, int number) {
+    return folder_of(path) / fmt::format(".{}.{}-{}.tmp", path.filename().string(), ::getpid(), number);
+}
+
+// A new file in the folder of `path`, without a name, so that nothing is left of it if the process dies; or, where
+// there are no such files, with a hidden name. Names that a killed process left behind, or that another thread is
+// using, are passed over.
+File create_beside(const std::filesystem::path& path) {
+    File unnamed(folder_of(path), O_WRONLY | O_TMPFILE | O_CLOEXEC);
+    if (unnamed.is_open() && ::access(unnamed.through_proc().c_str(), F_OK) == 0) return unnamed;
     constexpr int attempts = 100;
     for (int attempt = 0;; ++attempt) {
-        const std::string temporary = fmt::format(".{}.{}-{}.tmp", name, ::getpid(), attempt);
-        File file(folder / temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, true);
+        File file(hidden_beside(path, attempt), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, true);
         if (file.is_open() || errno != EEXIST || attempt == attempts) return file;
     }
 }
 
 void replace_file(const std::filesystem::path& path, std::string_view bytes) {
-    std::filesystem::path folder = path.parent_path();
-    if (folder.empty()) folder = ".";
-    File file = create_temporary(folder, path.filename().string());
+    File file = create_beside(path);
     if (!file.is_open()) throw disk_error("cannot be created", errno, path);
     int error = file.write(bytes);
     if (error == 0 && ::fsync(file.descriptor()) != 0) error = errno;
+    if (error == 0 && !file.has_name()) error = file.set_name(hidden_beside(path, file.descriptor()));
     if (error == 0) error = file.close();
     if (error == 0 && ::rename(file.path().c_str(), path.c_str()) != 0) error = errno;
     if (error != 0) throw disk_error("cannot be written", error, path);
     file.keep();
     // The name is on the disk once its folder is; a file system that cannot sync folders keeps its own promise.
-    const File directory(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    const File directory(folder_of(path), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (directory.is_open()) ::fsync(directory.descriptor());
+}
+
+// What a write would end up replacing; a device or pipe is written to as it is.
+std::filesystem::path target_of(const std::filesystem::path& path) {
+    std::error_code ignored;
+    const bool link = std::filesystem::is_symlink(std::filesystem::symlink_status(path, ignored));
+    return link ? std::filesystem::weakly_canonical(path) : path;
+}
+
+bool is_special(const std::filesystem::path& path) {
+    std::error_code ignored;
+    const std::filesystem::file_status status = std::filesystem::status(path, ignored);
+    return std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
 }
 
 }  // namespace
@@ -125,14 +158,24 @@ std::string read_whole_file(const std::filesystem::path& path) {
 
 void write_whole_file(const std::filesystem::path& path, std::string_view bytes) {
     std::error_code ignored;
-    const std::filesystem::file_status status = std::filesystem::status(path, ignored);
-    if (std::filesystem::is_directory(status)) throw disk_error("cannot be written", EISDIR, path);
-    if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+    if (std::filesystem::is_directory(path, ignored)) throw disk_error("cannot be written", EISDIR, path);
+    if (is_special(path)) {
         write_in_place(path, bytes);
-    } else if (std::filesystem::is_symlink(std::filesystem::symlink_status(path, ignored))) {
-        replace_file(std::filesystem::weakly_canonical(path), bytes);
     } else {
-        replace_file(path, bytes);
+        replace_file(target_of(path), bytes);
+    }
+}
+
+void check_writable(const std::filesystem::path& path) {
+    std::error_code ignored;
+    const auto refuse = [&](int error) {
+        return Error("cannot be written: " + reason(error), path.string(), "Check the path and its permissions.");
+    };
+    if (std::filesystem::is_directory(path, ignored)) throw refuse(EISDIR);
+    if (is_special(path)) {
+        if (::access(path.c_str(), W_OK) != 0) throw refuse(errno);
+    } else {
+        if (!create_beside(target_of(path)).is_open()) throw refuse(errno);
     }
 }
 

@@ -1,26 +1,27 @@
 #include "probes/bake.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <chrono>
-#include <cmath>
-#include <glm/gtc/constants.hpp>
-
 #include "core/error.h"
 #include "core/parallel.h"
 #include "core/sh.h"
 #include "probes/half_storage.h"
+
+#include <fmt/format.h>
+#include <glm/gtc/constants.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
 
 namespace lightgrid {
 namespace {
 
 constexpr std::size_t pilot_points = 64;
 constexpr std::uint32_t pilot_samples = 64;
+/// What rays cost is decided by the few points whose paths hardly end, so more of them are asked for less.
+constexpr std::size_t cost_points = 512;
+constexpr std::uint32_t cost_samples = GatherOptions{}.replicates;
 /// Rough looks at a point's light need no long paths, and sealed cavities of white walls would never end them.
 constexpr std::uint32_t pilot_bounces = 16;
-/// Of the level's median: a point that sees back faces all round but this much light is in a shell wound inside out.
-constexpr double lit_share = 0.05;
 /// Of the gather rays, for the reference at held-out points.
 constexpr double reference_share = 0.25;
 
@@ -75,39 +76,45 @@ struct Cost {
 
 Cost measure_cost(const PathTracer& paths, const std::vector<glm::vec3>& points, std::uint64_t seed,
                   PathCounts& counts) {
-    const std::size_t count = std::min(pilot_points, points.size());
+    const std::size_t count = std::min(cost_points, points.size());
     if (count == 0) return {};
     std::vector<glm::vec3> some;
     for (std::size_t i = 0; i < count; ++i) some.push_back(points[i * points.size() / count]);
     GatherOptions options;
     options.bands = 1;
-    options.samples = pilot_samples;
+    options.samples = cost_samples;
     options.seed = mix_bits(seed, 7);
     PathCounts counted;
     const Stopwatch watch;
     static_cast<void>(gather(paths, std::move(some), options, &counted));
-    const auto samples = static_cast<double>(count * pilot_samples);
+    const auto samples = static_cast<double>(count * cost_samples);
     const Cost cost{static_cast<double>(counted.rays + counted.shadow_rays) / samples, watch.seconds() / samples};
     counts += counted;
     return cost;
 }
 
-LightEvidence light_evidence(const PathTracer& paths, double least_light, std::uint64_t seed) {
-    return {[&paths, least_light, seed](glm::vec3 point) {
-                PathCounts counts;
-                return rough_light(paths, point, mix_bits(seed, 6), counts) > least_light;
-            },
-            paths.estimators().sky};
+LightEvidence light_evidence(const PathTracer& paths, double usual_light, std::uint64_t seed) {
+    LightEvidence evidence;
+    evidence.has_sky = paths.estimators().sky;
+    if (!(usual_light > 0)) return evidence;
+    evidence.share = [&paths, usual_light, seed](glm::vec3 point) {
+        PathCounts counts;
+        return rough_light(paths, point, mix_bits(seed, 6), counts) / usual_light;
+    };
+    return evidence;
 }
 
-std::string percent(double share) { return fmt::format("{:.2g} %", 100 * share); }
+std::string percent(double share) {
+    return fmt::format("{:.2g} %", 100 * share);
+}
 
 /// What this level gives no reason to do.
 std::vector<LeftOut> unused_estimators(const PathTracer& paths) {
     const Estimators& use = paths.estimators();
     const Scene& scene = paths.tracer().scene();
     std::vector<LeftOut> left_out;
-    if (!use.emitters) left_out.push_back({"sampling of emissive surfaces", "no surface emits", "a shadow ray per path vertex"});
+    if (!use.emitters)
+        left_out.push_back({"sampling of emissive surfaces", "no surface emits", "a shadow ray per path vertex"});
     if (!use.sky) {
         left_out.push_back({"environment look-ups", "the environment is black", "a look-up per ray that leaves"});
     } else if (!use.environment) {
@@ -134,8 +141,7 @@ void choose_samples(BakePlan& plan, const BakeOptions& options, const Cost& cost
                                : fmt::format("{} asked, rounded up to whole replicates", *options.samples);
         return;
     }
-    const double affordable =
-        default_ray_budget / std::max(1.0, cost.rays * static_cast<double>(plan.points.size()));
+    const double affordable = default_ray_budget / std::max(1.0, cost.rays * static_cast<double>(plan.points.size()));
     plan.samples = most_default_samples;
     while (plan.samples > least_default_samples && plan.samples > affordable) plan.samples /= 2;
     plan.why_samples = plan.samples == most_default_samples
@@ -198,18 +204,17 @@ BakePlan plan_bake(const PathTracer& paths, const BakeOptions& options) {
     } else {
         GridChoice choice = choose_grids(scene, options.placement);
         plan.why_spacing = choice.why;
-        plan.volume = choice.grids.empty() ? make_probe_list({scene.origin}, options.bands)
-                                           : make_volume(std::move(choice.grids), options.bands);
+        std::vector<glm::dvec3> list = scene.probe_markers;
+        if (choice.grids.empty() && list.empty()) list.push_back(scene.origin);
+        plan.volume = make_volume(std::move(choice.grids), options.bands, std::move(list));
     }
 
     PathCounts pilot;
-    plan.least_light = lit_share * median_light(paths, plan.volume, options.seed, pilot);
-    plan.placement =
-        place_probes(plan.volume, paths.tracer(), light_evidence(paths, plan.least_light, options.seed));
+    plan.usual_light = median_light(paths, plan.volume, options.seed, pilot);
+    plan.placement = place_probes(plan.volume, paths.tracer(), light_evidence(paths, plan.usual_light, options.seed));
     for (std::size_t slot = 0; slot < plan.volume.slots(); ++slot) {
         // A list is gathered even where it is inside something: its owner asked for just these places.
-        const bool wanted = plan.volume.has_cells() ? is_valid(plan.volume.states[slot]) : true;
-        if (!wanted) continue;
+        if (slot < plan.volume.list_start() && !is_valid(plan.volume.states[slot])) continue;
         plan.slots.push_back(slot);
         plan.points.emplace_back(gather_position(plan.volume, slot) - scene.origin);
     }
@@ -218,21 +223,23 @@ BakePlan plan_bake(const PathTracer& paths, const BakeOptions& options) {
 
     plan.left_out = scene.left_out;
     for (LeftOut& item : unused_estimators(paths)) plan.left_out.push_back(std::move(item));
-    if (plan.volume.has_cells() && plan.placement.invalid > 0) {
-        plan.left_out.push_back(
-            {fmt::format("gathers of {} probes inside solids", plan.placement.invalid),
-             fmt::format("of {} rays around each nearly all met near back faces, none of them light",
-                         plan.placement.rays / (plan.placement.valid + plan.placement.moved + plan.placement.invalid)),
-             fmt::format("about {:.3g} million rays", static_cast<double>(plan.placement.invalid) * plan.samples *
-                                                          cost.rays * 1e-6)});
+    const std::size_t probes = plan.placement.valid + plan.placement.moved + plan.placement.invalid;
+    if (probes > plan.points.size()) {
+        const std::size_t left_out = probes - plan.points.size();
+        plan.left_out.push_back({fmt::format("gathers of {} probes inside solids", left_out),
+                                 fmt::format("{} rays around each met back faces, and little or no light gets there",
+                                             plan.placement.rays / probes),
+                                 fmt::format("about {:.3g} million rays",
+                                             static_cast<double>(left_out) * plan.samples * cost.rays * 1e-6)});
     }
     const double gathers = static_cast<double>(plan.points.size()) * plan.samples;
     plan.seconds_estimate = gathers * cost.seconds * (options.measure_error ? 1 + reference_share : 1);
+    // Running sums, a replicate and the result for each point (GatherSums); two volumes, the plan's and the result's.
     const std::size_t values = plan.volume.sh_size() + 6;
-    plan.bytes_estimate = static_cast<double>(plan.points.size() * values * 4 * sizeof(glm::dvec3) +
-                                              plan.volume.slots() * (2 * plan.volume.sh_size() + 6) * sizeof(glm::vec3));
-    plan.stages.push_back({"place", watch.seconds(),
-                           plan.placement.rays + pilot.rays + pilot.shadow_rays});
+    plan.bytes_estimate =
+        static_cast<double>(plan.points.size() * values * 7 * sizeof(glm::dvec3) +
+                            plan.volume.slots() * (values + plan.volume.sh_size()) * 2 * sizeof(glm::vec3));
+    plan.stages.push_back({"place", watch.seconds(), plan.placement.rays + pilot.rays + pilot.shadow_rays});
     return plan;
 }
 
@@ -252,7 +259,7 @@ BakeResult run_bake(const PathTracer& paths, const BakePlan& plan, const BakeOpt
     } else {
         const Stopwatch watch;
         if (progress) progress("reference", 0, 0);
-        held_out = trace_held_out(volume, paths, light_evidence(paths, plan.least_light, options.seed),
+        held_out = trace_held_out(volume, paths, light_evidence(paths, plan.usual_light, options.seed),
                                   held_out_options(plan, options));
         result.counts += held_out.counts;
         result.stages.push_back({"reference", watch.seconds(), held_out.counts.rays + held_out.counts.shadow_rays});
@@ -295,10 +302,10 @@ BakeResult run_bake(const PathTracer& paths, const BakePlan& plan, const BakeOpt
     if (storage.half) {
         store_as_half(volume);
         result.storage_error = storage.irradiance_rms;
-        result.left_out.push_back({"float coefficients: half serves",
-                                   fmt::format("rounding adds at most {} of any brick's standard error",
-                                               percent(storage.worst_share)),
-                                   "half of the bytes"});
+        result.left_out.push_back(
+            {"float coefficients: half serves",
+             fmt::format("rounding adds at most {} of any brick's standard error", percent(storage.worst_share)),
+             "half of the bytes"});
     }
     result.stages.push_back({"finish", finishing.seconds(), 0});
 

@@ -1,16 +1,17 @@
 #pragma once
 
-#include <cstdint>
-#include <functional>
-#include <glm/glm.hpp>
-#include <optional>
-#include <string>
-#include <vector>
-
 #include "probes/error_report.h"
 #include "probes/paths.h"
 #include "probes/placement.h"
 #include "probes/volume.h"
+
+#include <glm/glm.hpp>
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
 
 /// The bake as a whole: plan_bake decides what will be done, run_bake does it.
 namespace lightgrid {
@@ -21,8 +22,8 @@ struct BakeOptions {
     int bands = 3;
     std::optional<std::uint32_t> samples;  // gather rays per probe; none: what default_ray_budget pays for
     std::uint64_t seed = 0;
-    bool measure_error = true;             // trace held-out points and report the error, at about a quarter of the cost
-    std::string environment;               // for the header: what lit the level besides its own lights
+    bool measure_error = true;  // trace held-out points and report the error, at about a quarter of the cost
+    std::string environment;    // for the header: what lit the level besides its own lights
 };
 
 /// Where --samples is not given: the most, in powers of two, that trace no more rays than this (well under a minute on
@@ -46,7 +47,7 @@ struct BakePlan {
     std::string why_spacing;
     std::string why_samples;
     PlacementCounts placement;
-    double least_light = 0;       // mean radiance above which a suspect point counts as lit
+    double usual_light = 0;       // luminance of the mean radiance that probes get, their median; from a pilot
     double seconds_estimate = 0;  // of gather and error measurement, from a pilot
     double bytes_estimate = 0;    // of memory while baking
     std::vector<LeftOut> left_out;

@@ -1,13 +1,14 @@
 #include "probes/error_report.h"
 
-#include <algorithm>
-#include <cmath>
-#include <glm/gtc/constants.hpp>
-#include <numeric>
-
 #include "core/parallel.h"
 #include "core/sh.h"
 #include "probes/sampler.h"
+
+#include <glm/gtc/constants.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
 
 namespace lightgrid {
 namespace {
@@ -26,7 +27,9 @@ struct PointSums {
     double interpolation = 0;
 };
 
-double component_sum(glm::dvec3 v) { return v.x + v.y + v.z; }
+double component_sum(glm::dvec3 v) {
+    return v.x + v.y + v.z;
+}
 
 std::vector<glm::vec3> even_normals() {
     std::vector<glm::vec3> normals;
@@ -47,7 +50,9 @@ double irradiance_variance(std::span<const glm::vec3> errors, int bands) {
     return variance / (4 * glm::pi<double>());
 }
 
-double signed_root(double square) { return std::copysign(std::sqrt(std::abs(square)), square); }
+double signed_root(double square) {
+    return std::copysign(std::sqrt(std::abs(square)), square);
+}
 
 /// sqrt(sum part / sum reference) with its interval over resampled points.
 ErrorPart summarise(const std::vector<PointSums>& sums, double PointSums::*part) {
@@ -195,8 +200,7 @@ ErrorReport measure_error(const Volume& volume, const HeldOut& reference, double
             relative.push_back(difference / scale);
             square += relative.back() * relative.back();
         }
-        report.worst.push_back(
-            {reference.points[i], std::sqrt(square / static_cast<double>(differences[i].size()))});
+        report.worst.push_back({reference.points[i], std::sqrt(square / static_cast<double>(differences[i].size()))});
     }
     std::sort(report.worst.begin(), report.worst.end(),
               [](const auto& x, const auto& y) { return x.relative_error > y.relative_error; });

@@ -1,14 +1,15 @@
 #pragma once
 
-#include <cstdint>
-#include <glm/glm.hpp>
-#include <optional>
-#include <string>
-#include <vector>
-
 #include "probes/gather.h"
 #include "probes/placement.h"
 #include "probes/volume.h"
+
+#include <glm/glm.hpp>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
 
 /// How wrong a volume is: measured at held-out points against the path tracer, and split by cause.
 ///
@@ -29,7 +30,8 @@ struct Interval {
     double high = 0;
 };
 
-/// A part of the error, as a share of the root mean square irradiance; negative where an unbiased estimate of its square is.
+/// A part of the error, as a share of the root mean square irradiance; negative where an unbiased estimate of its
+/// square is.
 struct ErrorPart {
     double relrmse = 0;
     Interval interval;

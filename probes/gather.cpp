@@ -1,12 +1,12 @@
 #include "probes/gather.h"
 
+#include "core/parallel.h"
+#include "core/sh.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <mutex>
-
-#include "core/parallel.h"
-#include "core/sh.h"
 
 namespace lightgrid {
 namespace {
@@ -17,7 +17,9 @@ constexpr std::size_t many_points = 1024;
 }  // namespace
 
 GatherSums::GatherSums(const PathTracer& paths, std::vector<glm::vec3> points, GatherOptions options)
-    : paths_(&paths), points_(std::move(points)), options_(std::move(options)),
+    : paths_(&paths),
+      points_(std::move(points)),
+      options_(std::move(options)),
       directions_(even_directions(options_.samples_per_replicate())) {
     const auto coefficients = static_cast<std::size_t>(sh_size(options_.bands));
     values_per_point_ = coefficients + options_.normals_per_point() + axis_normals.size();
@@ -70,8 +72,9 @@ void GatherSums::add_replicates(std::uint32_t count, const std::function<void(st
             std::vector<LightSample> light;
             const std::uint64_t key = mix_bits(mix_bits(mix_bits(options_.seed, 1), point), replicates_ + replicate);
             paths_->gather(points_[point], key, directions_, light, counts);
-            project(point, light, std::span(values).subspan((replicate * points_.size() + point) * values_per_point_,
-                                                            values_per_point_));
+            project(
+                point, light,
+                std::span(values).subspan((replicate * points_.size() + point) * values_per_point_, values_per_point_));
             const std::lock_guard lock(mutex);
             counts_ += counts;
             if (done) done(++gathered);

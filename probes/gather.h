@@ -1,13 +1,14 @@
 #pragma once
 
-#include <cstdint>
-#include <functional>
-#include <glm/glm.hpp>
-#include <span>
-#include <vector>
-
 #include "probes/paths.h"
 #include "probes/volume.h"
+
+#include <glm/glm.hpp>
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
 
 /// Light at points, as SH and as irradiance, with standard errors from independent replicates.
 namespace lightgrid {
@@ -75,9 +76,9 @@ class GatherSums {
     const PathTracer* paths_;
     std::vector<glm::vec3> points_;
     GatherOptions options_;
-    std::vector<glm::vec3> directions_;     // of a replicate's gather rays, before they are turned
-    std::size_t values_per_point_;          // coefficients, then irradiances, then the six axes
-    std::vector<glm::dvec3> punctual_;      // the exact part, the same in every replicate
+    std::vector<glm::vec3> directions_;  // of a replicate's gather rays, before they are turned
+    std::size_t values_per_point_;       // coefficients, then irradiances, then the six axes
+    std::vector<glm::dvec3> punctual_;   // the exact part, the same in every replicate
     std::vector<Moments> moments_;
     std::uint32_t replicates_ = 0;
     PathCounts counts_;

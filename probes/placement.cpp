@@ -16,11 +16,21 @@ namespace {
 /// Probes that an automatic spacing aims at: seconds to bake, and fine enough for a few rooms.
 constexpr double automatic_probes = 4096;
 
+/// Of memory while baking 3 bands, measured: 5,500 probes take 17 MB.
+constexpr double bytes_per_probe = 3100;
+
 constexpr std::uint32_t evidence_rays = 64;
 /// Share of rays that may leave an enclosure through cracks.
 constexpr float crack_share = 0.1F;
-/// Free space in real levels sees up to two thirds back faces; inside rock it is nearly all.
+/// Of back faces, all and near ones: free space in real levels sees up to two thirds of them, rock nearly nothing else.
 constexpr float inside_score = 0.85F;
+/// Of back faces where it is pitch dark. Solids that stand in one another or on a floor of the same height show their
+/// front faces too; in rooms without any light, there is little that these would be taken for.
+constexpr float inside_score_in_the_dark = 1.0F / 3;
+/// Of the usual light: a point with more is free, whatever it sees.
+constexpr double lit_share = 0.05;
+/// Asking for light is costly: a probe that finds no place with so many looks stays where it is.
+constexpr int most_looks_for_light = 4;
 /// Of the spacing: nearer to a surface than this, a probe is moved. Less lets probes into cracks that their cells do
 /// not look like: with 0.01 one between a ceiling and the lamp below it doubles the error of a whole Cornell box.
 constexpr float clearance_share = 0.1F;
@@ -30,7 +40,7 @@ constexpr float on_surface = 0.05F;
 
 struct Sight {
     float distance;
-    bool back;           // of a surface that is opaque and one-sided: only there the inside is not meant to be seen
+    bool back;           // of a surface that is opaque there
     glm::vec3 to_plane;  // the shortest way to the plane of what was met
 };
 
@@ -49,28 +59,46 @@ Surroundings look_around(const Tracer& tracer, glm::vec3 point) {
             continue;
         }
         const Surface surface = tracer.surface(hit, direction);
-        const Material& material = tracer.scene().materials[surface.mesh->material];
-        const bool tells = !material.double_sided && !material.passes_light();
-        seen.hits.push_back({hit.distance, tells && !surface.front,
-                             hit.distance * glm::dot(direction, surface.normal) * surface.normal});
+        // What lets light through bounds no solid; `doubleSided` says nothing, because exporters set it on everything.
+        const SurfacePoint at = surface_at(tracer.scene(), *surface.mesh, hit.id.triangle, hit.barycentric);
+        const bool back = !surface.front && passed_share(at) == glm::vec3(0);
+        seen.hits.push_back({hit.distance, back, hit.distance * glm::dot(direction, surface.normal) * surface.normal});
     }
     std::sort(seen.hits.begin(), seen.hits.end(),
               [](const Sight& a, const Sight& b) { return a.distance < b.distance; });
     return seen;
 }
 
-/// Back faces as evidence: over all rays and over the nearest quarter of them, in equal parts.
-bool looks_inside(const Surroundings& seen, bool has_sky) {
-    if (seen.hits.empty()) return !has_sky;
-    if (has_sky && seen.escaped > crack_share) return false;
+/// What the surroundings say of a point; light has the last word on what is suspect.
+enum class Suspicion : std::uint8_t {
+    none,
+    if_dark,  // inside where it gets no light at all
+    strong,   // inside unless it is lit
+};
+
+/// Back faces as evidence: over all rays and over the nearest quarter of them.
+Suspicion suspect(const Surroundings& seen, bool has_sky) {
+    if (seen.hits.empty()) return has_sky ? Suspicion::none : Suspicion::strong;
+    if (has_sky && seen.escaped > crack_share) return Suspicion::none;
     const auto back_faces = [&](std::size_t count) {
         const auto end = seen.hits.begin() + static_cast<std::ptrdiff_t>(count);
         return static_cast<float>(std::count_if(seen.hits.begin(), end, [](const Sight& s) { return s.back; }));
     };
     const std::size_t near = (seen.hits.size() + 3) / 4;
-    const float all_share = back_faces(seen.hits.size()) / evidence_rays + (has_sky ? 0 : seen.escaped);
+    const float all_share = back_faces(seen.hits.size()) / evidence_rays;
     const float near_share = back_faces(near) / static_cast<float>(near);
-    return 0.5F * (all_share + near_share) >= inside_score;
+    // Without a sky, rays that leave see no more than back faces.
+    if (0.5F * (all_share + seen.escaped + near_share) >= inside_score) return Suspicion::strong;
+    const bool enclosed = seen.escaped <= crack_share;
+    return enclosed && std::max(all_share, near_share) >= inside_score_in_the_dark ? Suspicion::if_dark
+                                                                                   : Suspicion::none;
+}
+
+bool is_inside(glm::vec3 point, Suspicion suspicion, const LightEvidence& light) {
+    if (suspicion == Suspicion::none) return false;
+    if (!light.share) return suspicion == Suspicion::strong;
+    const double share = light.share(point);
+    return suspicion == Suspicion::strong ? share < lit_share : !(share > 0);
 }
 
 /// A surface within about `clearance`: seven lines through the point, so that no plane slips between them.
@@ -104,14 +132,13 @@ struct Stuck {
     Surroundings seen;
     bool touching;  // too near to a surface: a step to any side may do
     bool inside;    // the ways out are those to the planes whose back faces it sees
-    bool in_shell;  // it looks as if it were inside, but there is light
     float clearance;
     glm::vec3 reach{0};  // the most along each axis
     Box limits;
 };
 
-/// The least offset that frees the probe, or none, by the surroundings alone: light is too costly to ask here.
-std::optional<glm::vec3> freeing_offset(const Tracer& tracer, const Stuck& probe, bool has_sky) {
+/// The least offset that frees the probe, or none.
+std::optional<glm::vec3> freeing_offset(const Tracer& tracer, const Stuck& probe, const LightEvidence& light) {
     const float step = 2 * probe.clearance;
     std::vector<glm::vec3> candidates;
     for (const Sight& sight : probe.seen.hits) {
@@ -135,13 +162,19 @@ std::optional<glm::vec3> freeing_offset(const Tracer& tracer, const Stuck& probe
         return glm::distance(a, b) < 0.1F * probe.clearance;  // seen on the same plane
     });
     candidates.erase(same, candidates.end());
+    int looks_for_light = 0;
+    const auto is_free_at = [&](glm::vec3 place) {
+        const Suspicion suspicion = suspect(look_around(tracer, place), light.has_sky);
+        if (suspicion == Suspicion::strong && probe.inside) return false;
+        if (suspicion != Suspicion::none && ++looks_for_light > most_looks_for_light) return false;
+        return !is_inside(place, suspicion, light);
+    };
     const auto found = std::find_if(candidates.begin(), candidates.end(), [&](glm::vec3 offset) {
         const glm::vec3 start = probe.point + on_surface * offset;
         const glm::vec3 place = probe.point + offset;
         const bool open =
             probe.inside ? reaches(tracer, start, place) : !tracer.closest_hit(start, place - start, 1).found();
-        return open && !touches(tracer, place, probe.clearance) &&
-               (probe.in_shell || !looks_inside(look_around(tracer, place), has_sky));
+        return open && !touches(tracer, place, probe.clearance) && is_free_at(place);
     });
     return found == candidates.end() ? std::nullopt : std::optional(*found);
 }
@@ -176,6 +209,31 @@ struct LatticeIndex {
     }
 };
 
+bool has_valid_neighbour(const Volume& volume, const LatticeIndex& lattice, glm::ivec3 probe) {
+    for (int i = 0; i < 27; ++i) {
+        const std::int64_t slot = lattice.slot(probe + glm::ivec3(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1));
+        if (slot >= 0 && is_valid(volume.states[static_cast<std::size_t>(slot)])) return true;
+    }
+    return false;
+}
+
+/// Invalid probes on the faces of their grid's box, none of whose cells has a valid one.
+std::vector<std::size_t> border_probes_without_valid_neighbours(const Volume& volume) {
+    std::vector<std::size_t> slots;
+    for (int g = 0; g < static_cast<int>(volume.grids.size()); ++g) {
+        const LatticeIndex lattice(volume, g);
+        for (std::size_t i = 0; i < lattice.slot_of.size(); ++i) {
+            const glm::ivec3 probe = lattice.probe(i);
+            const bool on_border =
+                glm::any(glm::equal(probe, glm::ivec3(0))) || glm::any(glm::equal(probe, lattice.grid->counts - 1));
+            if (on_border && lattice.slot_of[i] >= 0 && !has_valid_neighbour(volume, lattice, probe)) {
+                slots.push_back(static_cast<std::size_t>(lattice.slot_of[i]));
+            }
+        }
+    }
+    return slots;
+}
+
 /// A filling of one probe, computed from the volume as it is and applied later, so that order does not matter.
 struct Filling {
     std::size_t slot;
@@ -188,6 +246,7 @@ std::optional<Filling> fill_from_neighbours(const Volume& volume, const Tracer& 
     const auto slot = static_cast<std::size_t>(lattice.slot_of[cell]);
     const glm::dvec3 origin = tracer.scene().origin;
     const glm::vec3 place(lattice_position(volume, slot) - origin);
+    const glm::dvec3 last = lattice.grid->position(lattice.grid->counts - 1);
     const auto n = static_cast<std::size_t>(volume.bands) * volume.bands;
     Filling filling{slot, std::vector<glm::vec3>(n), std::vector<glm::vec3>(n), std::vector<glm::vec3>(6)};
     float weight_sum = 0;
@@ -197,8 +256,12 @@ std::optional<Filling> fill_from_neighbours(const Volume& volume, const Tracer& 
                 const std::int64_t other = lattice.slot(probe + glm::ivec3(x, y, z));
                 if (other < 0 || !has_light[static_cast<std::size_t>(other)]) continue;
                 const auto from = static_cast<std::size_t>(other);
-                const glm::vec3 neighbour(gather_position(volume, from) - origin);
-                if (!through_walls && !reaches(tracer, place, neighbour)) continue;
+                const glm::dvec3 gathered_at = gather_position(volume, from);
+                const glm::vec3 neighbour(gathered_at - origin);
+                // What was moved out of the box is on the far side of what bounds the level.
+                const bool beyond = glm::any(glm::lessThan(gathered_at, lattice.grid->origin)) ||
+                                    glm::any(glm::greaterThan(gathered_at, last));
+                if (!through_walls && (beyond || !reaches(tracer, place, neighbour))) continue;
                 const float weight = 1 / glm::dot(neighbour - place, neighbour - place);
                 weight_sum += weight;
                 for (std::size_t i = 0; i < n; ++i) {
@@ -307,7 +370,7 @@ GridChoice choose_grids(const Scene& scene, const PlacementOptions& options) {
     if (options.spacing && spacing > wanted) {
         const double count = probe_count(span_boxes(boxes, wanted));
         throw Error(fmt::format("a spacing of {:.4g} m makes {:.0f} probes ({:.3g} GB), more than --max-probes {}",
-                                wanted, count, count * 450e-9, options.max_probes),
+                                wanted, count, count * bytes_per_probe * 1e-9, options.max_probes),
                     "--spacing",
                     fmt::format("Use --spacing {:.4g}, a smaller --volume, or a larger --max-probes", spacing));
     }
@@ -319,35 +382,37 @@ GridChoice choose_grids(const Scene& scene, const PlacementOptions& options) {
 
 bool is_free(const Tracer& tracer, glm::vec3 point, float clearance, const LightEvidence& light) {
     if (touches(tracer, point, clearance)) return false;
-    return !looks_inside(look_around(tracer, point), light.has_sky) || light.is_lit(point);
+    return !is_inside(point, suspect(look_around(tracer, point), light.has_sky), light);
 }
 
 PlacementCounts place_probes(Volume& volume, const Tracer& tracer, const LightEvidence& light) {
     const glm::dvec3 origin = tracer.scene().origin;
     std::vector<glm::vec3> offsets(volume.slots(), glm::vec3(0));
-    const std::size_t grid_slots = volume.bricks.size() * probes_per_brick;
-    for_each_index(volume.slots(), [&](std::size_t slot) {
-        ProbeState& state = volume.states[slot];
-        if (state == ProbeState::absent) return;
+    const auto place = [&](std::size_t slot, bool within_box) {
         Stuck probe;
         probe.point = glm::vec3(lattice_position(volume, slot) - origin);
         probe.seen = look_around(tracer, probe.point);
-        probe.in_shell = looks_inside(probe.seen, light.has_sky) && light.is_lit(probe.point);
-        probe.inside = looks_inside(probe.seen, light.has_sky) && !probe.in_shell;
-        state = probe.inside ? ProbeState::missing : ProbeState::valid;
-        if (slot >= grid_slots) return;  // a list: never moved
+        probe.inside = is_inside(probe.point, suspect(probe.seen, light.has_sky), light);
+        volume.states[slot] = probe.inside ? ProbeState::missing : ProbeState::valid;
+        if (slot >= volume.list_start()) return;  // never moved
 
         const Grid& grid = volume.grids[volume.bricks[slot / probes_per_brick].grid];
         probe.reach = glm::vec3(0.5 * grid.spacing);
         probe.clearance =
             clearance_share * static_cast<float>(std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z}));
         probe.touching = touches(tracer, probe.point, probe.clearance);
-        probe.limits = {grid.origin - origin, grid.position(grid.counts - 1) - origin};
         if (!probe.inside && !probe.touching) return;
-        const std::optional<glm::vec3> offset = freeing_offset(tracer, probe, light.has_sky);
-        state = offset ? ProbeState::moved : ProbeState::missing;
+        probe.limits = {grid.origin - origin, grid.position(grid.counts - 1) - origin};
+        if (!within_box) probe.limits = {probe.limits.min - grid.spacing, probe.limits.max + grid.spacing};
+        const std::optional<glm::vec3> offset = freeing_offset(tracer, probe, light);
+        volume.states[slot] = offset ? ProbeState::moved : ProbeState::missing;
         offsets[slot] = offset.value_or(glm::vec3(0));
+    };
+    for_each_index(volume.slots(), [&](std::size_t slot) {
+        if (volume.states[slot] != ProbeState::absent) place(slot, true);
     });
+    const std::vector<std::size_t> alone = border_probes_without_valid_neighbours(volume);
+    for_each_index(alone.size(), [&](std::size_t i) { place(alone[i], false); });
 
     PlacementCounts counts;
     for (const ProbeState state : volume.states) {

@@ -39,18 +39,21 @@ struct PlacementCounts {
 
 /// What light tells of a point besides its surroundings.
 struct LightEvidence {
-    /// More than a little light gets there: a point that sees back faces all round is then in a shell that is wound
-    /// inside out, not in a solid. Relative to Scene::origin.
-    std::function<bool(glm::vec3)> is_lit;
+    /// How much light gets to a point (relative to Scene::origin), as a share of what points of the level usually get;
+    /// a rough look will do. Empty where the level has no light at all: then darkness tells nothing.
+    std::function<double(glm::vec3)> share;
     /// The environment is not black: rays that leave the level see light. Without, they tell no more than back faces.
     bool has_sky = false;
 };
 
 /// Sets states and offsets of all probes of the grids. A probe is inside something, or outside of a level without a
-/// sky, where it is enclosed and sees back faces almost everywhere, near ones above all, and no light. Such a probe,
-/// and one that is too near to a surface, is moved by the least offset within half a cell that frees it: out of the
-/// solid that it is in, but through no other surface, and not out of its grid's box. Probes of a list stay where they
-/// are and are marked only.
+/// sky, where it sees back faces almost everywhere, near ones above all, and little light; or where it is enclosed,
+/// sees many back faces, and gets no light at all. Winding lies: where there is light, a probe is free.
+///
+/// A probe inside something, or too near to a surface, is moved by the least offset within half a cell that frees it:
+/// out of the solid that it is in, but through no other surface, and not out of its grid's box, unless no probe that it
+/// shares a cell with is valid (on a slab, what is above it counts). Probes of a list stay where they are and are
+/// marked only.
 PlacementCounts place_probes(Volume& volume, const Tracer& tracer, const LightEvidence& light);
 
 /// Gives invalid probes the light of valid neighbours that they reach through nothing but the surface of what they are

@@ -11,7 +11,9 @@ json to_json(const ErrorPart& part) {
     return {{"relrmse", part.relrmse}, {"interval", {part.interval.low, part.interval.high}}};
 }
 
-std::string percent(double share) { return fmt::format("{:.2f} %", 100 * share); }
+std::string percent(double share) {
+    return fmt::format("{:.2f} %", 100 * share);
+}
 
 std::string with_interval(const ErrorPart& part) {
     return fmt::format("{} ({} to {})", percent(part.relrmse), percent(part.interval.low), percent(part.interval.high));
@@ -24,7 +26,8 @@ json error_json(const BakeResult& result) {
         error["relrmse"] = nullptr;
         error["interval"] = nullptr;
         error["not_measured"] = result.no_error_because;
-        error["parts"] = {{"noise", to_json(result.noise)}, {"bands", nullptr}, {"interpolation", nullptr}, {"storage", nullptr}};
+        error["parts"] = {
+            {"noise", to_json(result.noise)}, {"bands", nullptr}, {"interpolation", nullptr}, {"storage", nullptr}};
         return error;
     }
     const ErrorReport& measured = *result.error;
@@ -78,18 +81,22 @@ void print_result(const Messages& messages, const BakePlan& plan, const BakeResu
                   const std::filesystem::path& output) {
     for (const Stage& stage : result.stages) {
         const double rate = stage.seconds > 0 ? static_cast<double>(stage.rays) * 1e-6 / stage.seconds : 0;
-        messages.line(stage.rays == 0 ? fmt::format("{:<10} {:8.3f} s", stage.name, stage.seconds)
-                                      : fmt::format("{:<10} {:8.3f} s  {:8.2f} million rays  {:6.2f} Mrays/s", stage.name,
-                                                    stage.seconds, static_cast<double>(stage.rays) * 1e-6, rate));
+        messages.line(stage.rays == 0
+                          ? fmt::format("{:<10} {:8.3f} s", stage.name, stage.seconds)
+                          : fmt::format("{:<10} {:8.3f} s  {:8.2f} million rays  {:6.2f} Mrays/s", stage.name,
+                                        stage.seconds, static_cast<double>(stage.rays) * 1e-6, rate));
     }
     if (result.counts.dropped > 0) {
         messages.warning(fmt::format("{} samples were not finite and count as black", result.counts.dropped));
     }
-    if (result.filled > 0) messages.line(fmt::format("filled     {} invalid probes from their neighbours", result.filled));
-    messages.line(fmt::format("noise      {} of the irradiance at the probes (standard error)", percent(result.noise.relrmse)));
+    if (result.filled > 0)
+        messages.line(fmt::format("filled     {} invalid probes from their neighbours", result.filled));
+    messages.line(
+        fmt::format("noise      {} of the irradiance at the probes (standard error)", percent(result.noise.relrmse)));
     if (result.error) {
         const ErrorReport& error = *result.error;
-        messages.line(fmt::format("error      {} relRMSE at {} held-out points, 95 % interval", with_interval(error.total), error.points));
+        messages.line(fmt::format("error      {} relRMSE at {} held-out points, 95 % interval",
+                                  with_interval(error.total), error.points));
         messages.line(fmt::format("           noise {}", with_interval(error.noise)));
         messages.line(fmt::format("           bands {}", with_interval(error.bands)));
         messages.line(fmt::format("           interpolation {}", with_interval(error.interpolation)));
@@ -99,7 +106,8 @@ void print_result(const Messages& messages, const BakePlan& plan, const BakeResu
     } else {
         messages.line("error      " + result.no_error_because);
     }
-    for (std::size_t i = plan.left_out.size(); i < result.left_out.size(); ++i) print_left_out(messages, result.left_out[i]);
+    for (std::size_t i = plan.left_out.size(); i < result.left_out.size(); ++i)
+        print_left_out(messages, result.left_out[i]);
     messages.line(fmt::format("written    {} ({})", output.string(),
                               bytes_text(static_cast<double>(std::filesystem::file_size(output)))));
 }
@@ -146,7 +154,8 @@ json bake_report(const BakePlan& plan, const BakeResult& result, const BakeOptio
     for (const Stage& stage : result.stages) {
         report["stages"].push_back({{"name", stage.name}, {"seconds", stage.seconds}, {"rays", stage.rays}});
     }
-    report["rays"] = {{"gather", result.counts.rays}, {"shadow", result.counts.shadow_rays}, {"dropped", result.counts.dropped}};
+    report["rays"] = {
+        {"gather", result.counts.rays}, {"shadow", result.counts.shadow_rays}, {"dropped", result.counts.dropped}};
     return report;
 }
 

@@ -1,11 +1,12 @@
 #pragma once
 
-#include <filesystem>
-#include <nlohmann/json.hpp>
-
 #include "core/tracer.h"
 #include "probes/bake.h"
 #include "tools/progress.h"
+
+#include <nlohmann/json.hpp>
+
+#include <filesystem>
 
 /// What level-bake says about a bake: before it, after it, and as JSON.
 namespace lightgrid {

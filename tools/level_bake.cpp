@@ -1,13 +1,5 @@
 // level-bake: a glTF level in, a volume of SH probes out.
 
-#include <fmt/format.h>
-
-#include <CLI/CLI.hpp>
-#include <filesystem>
-#include <optional>
-#include <string>
-#include <vector>
-
 #include "core/error.h"
 #include "core/gltf.h"
 #include "core/parallel.h"
@@ -22,6 +14,15 @@
 #include "tools/program.h"
 #include "tools/progress.h"
 
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
 namespace lightgrid {
 namespace {
 
@@ -35,7 +36,7 @@ struct Call {
     std::optional<double> spacing;
     std::vector<std::string> volumes;
     std::string probes;
-    std::int64_t max_probes = PlacementOptions{}.max_probes;
+    std::optional<std::int64_t> max_probes;
     std::optional<std::uint32_t> samples;
     int bands = 3;
     std::string method = "path";
@@ -48,113 +49,180 @@ struct Call {
     std::string max_error, time_budget, report;  // not in this version: refused by name
 };
 
+constexpr double most_samples = 1U << 28;  // their directions take 3 GB per thread and 16 replicates
+
+Box parse_box(const std::string& text) {
+    const std::vector<double> n = parse_numbers(text, 6, "0,0,0,10,3,8");
+    Box box;
+    box.extend({n[0], n[1], n[2]});
+    box.extend({n[3], n[4], n[5]});
+    return box;
+}
+
+/// Refuses an option that a later version will have.
+CLI::Validator not_yet(const std::string& instead) {
+    return checked([instead](const std::string&) { throw Error("is not in this version: use " + instead); });
+}
+
+void parse_method(const std::string& name) {
+    if (name == "cache") throw Error("cache is not in this version: use path");
+    if (name != "path") throw Error(fmt::format("{} is not known: there is path", name));
+}
+
+void parse_layers(const std::string& names) {
+    if (names != "combined") throw Error(fmt::format("{} is not in this version: use combined", names));
+}
+
 void add_options(CLI::App& app, Call& call) {
-    app.add_option("level", call.level, "The level, .gltf or .glb; none: one probe of the --environment")->type_name("LEVEL");
+    app.add_option("level", call.level, "The level, .gltf or .glb; none: one probe of the environment")
+        ->type_name("LEVEL");
     app.add_option("-o,--output", call.output, "Where the volume goes (default: LEVEL's name + .probes.exr, here)")
         ->type_name("FILE");
-    app.add_option("--scene", call.scene, "Which of the file's scenes (default: the file's own choice)")->type_name("N");
+    app.add_option("--scene", call.scene, "Which of the file's scenes (default: the file's own choice)")
+        ->type_name("N")
+        ->check(number(0, std::numeric_limits<int>::max(), true));
     add_light_options(app, call.light);
 
     const char* where = "Where";
     app.add_option("--spacing", call.spacing, "Metres between probes at most (default: chosen, and said why)")
         ->type_name("M")
+        ->check(number(std::numeric_limits<float>::min()))
         ->group(where);
     app.add_option("--volume", call.volumes, "A box to fill with probes; may be repeated")
         ->type_name("x0,y0,z0,x1,y1,z1")
         ->expected(1)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
         ->allow_extra_args(false)
+        ->check(checked(parse_box))
         ->group(where);
-    app.add_option("--probes", call.probes, "Gather at these points instead, just where they are: CSV with x,y,z; - is standard input")
+    app.add_option("--probes", call.probes,
+                   "Gather at these points instead, just where they are: CSV with x,y,z; - is standard input")
         ->type_name("FILE")
         ->group(where);
-    app.add_option("--max-probes", call.max_probes, "Never more probes than this")->type_name("N")->capture_default_str()->group(where);
+    app.add_option("--max-probes", call.max_probes,
+                   fmt::format("Never more probes than this (default: {} in grids)", PlacementOptions{}.max_probes))
+        ->type_name("N")
+        ->check(number(1, 1e15, true))
+        ->group(where);
 
     const char* how = "How much and how";
-    app.add_option("--samples", call.samples, "Gather rays per probe, all replicates together (default: 64 to 4096, by a budget of rays)")
+    app.add_option(
+           "--samples", call.samples,
+           fmt::format("Gather rays per probe, all {} replicates together (default: {} to {}, by a budget of rays)",
+                       GatherOptions{}.replicates, least_default_samples, most_default_samples))
         ->type_name("N")
+        ->check(number(1, most_samples, true))
         ->group(how);
-    app.add_option("--bands", call.bands, "SH bands: 3 are nine coefficients")->type_name("N")->capture_default_str()->group(how);
-    app.add_option("--method", call.method, "path: the unbiased path tracer")->type_name("NAME")->capture_default_str()->group(how);
-    app.add_option("--seed", call.seed, "Other seeds give other noise")->type_name("N")->capture_default_str()->group(how);
-    app.add_option("--threads", call.threads, "0: all of the machine; the result is the same")->type_name("N")->group(how);
-    app.add_option("--max-error", call.max_error, "Not in this version")->type_name("P%")->group(how);
-    app.add_option("--time-budget", call.time_budget, "Not in this version")->type_name("T")->group(how);
-    app.add_option("--layers", call.layers, "combined: all light in one")->type_name("NAMES")->capture_default_str()->group(how);
+    app.add_option("--bands", call.bands, "SH bands: 3 are nine coefficients")
+        ->type_name("N")
+        ->check(number(1, max_sh_bands, true))
+        ->capture_default_str()
+        ->group(how);
+    app.add_option("--method", call.method, "path: the unbiased path tracer")
+        ->type_name("NAME")
+        ->check(checked(parse_method))
+        ->capture_default_str()
+        ->group(how);
+    app.add_option("--seed", call.seed, "Other seeds give other noise")
+        ->type_name("N")
+        ->capture_default_str()
+        ->group(how);
+    app.add_option("--threads", call.threads, "0: all of the machine; the result is the same")
+        ->type_name("N")
+        ->check(number(0, 4096, true))
+        ->group(how);
+    app.add_option("--max-error", call.max_error, "Not in this version")
+        ->type_name("P%")
+        ->check(not_yet("--samples and read the reported error"))
+        ->group(how);
+    app.add_option("--time-budget", call.time_budget, "Not in this version")
+        ->type_name("T")
+        ->check(not_yet("--samples"))
+        ->group(how);
+    app.add_option("--layers", call.layers, "combined: all light in one")
+        ->type_name("NAMES")
+        ->check(checked(parse_layers))
+        ->capture_default_str()
+        ->group(how);
 
     const char* out = "Output";
-    app.add_option("--report-json", call.report_json, "Writes error, curve, what was left out and stages; measures the error")
+    app.add_option("--report-json", call.report_json,
+                   "Writes error, curve, what was left out and stages; measures the error")
         ->type_name("FILE")
         ->group(out);
-    app.add_option("--report", call.report, "Not in this version")->type_name("FILE")->group(out);
+    app.add_option("--report", call.report, "Not in this version")
+        ->type_name("FILE")
+        ->check(not_yet("--report-json"))
+        ->group(out);
     app.add_flag("--json", call.json, "The summary on standard output, as JSON")->group(out);
     app.set_version_flag("--version", "level-bake " LIGHTGRID_VERSION);
     app.add_flag("--quiet", call.quiet, "Nothing but errors")->group(out);
 }
 
-/// Every option that makes no sense, in one message.
+/// What is wrong with the call beyond single values: all of it in one message.
 void check(const Call& call) {
     std::vector<std::string> wrong;
-    if (!call.max_error.empty()) wrong.push_back("--max-error is not in this version: use --samples and read the reported error");
-    if (!call.time_budget.empty()) wrong.push_back("--time-budget is not in this version: use --samples");
-    if (!call.report.empty()) wrong.push_back("--report is not in this version: use --report-json");
-    if (call.method == "cache") wrong.push_back("--method cache is not in this version: use --method path");
-    else if (call.method != "path") wrong.push_back(fmt::format("--method {}: there is only path", call.method));
-    if (call.layers != "combined") wrong.push_back("--layers other than combined are not in this version");
-    if (call.spacing && !(*call.spacing > 0 && std::isfinite(*call.spacing))) {
-        wrong.push_back(fmt::format("--spacing {}: must be a positive number of metres", *call.spacing));
-    }
-    if (call.max_probes < 1) wrong.push_back(fmt::format("--max-probes {}: must be at least 1", call.max_probes));
-    if (call.samples && *call.samples < 1) wrong.push_back("--samples 0: must be at least 1");
-    if (call.bands < 1 || call.bands > max_sh_bands) {
-        wrong.push_back(fmt::format("--bands {}: must be 1 to {}", call.bands, max_sh_bands));
-    }
-    if (call.threads < 0) wrong.push_back(fmt::format("--threads {}: must be 0 or more", call.threads));
     if (!call.probes.empty() && (call.spacing || !call.volumes.empty())) {
-        wrong.push_back("--probes is a list of its own: it excludes --spacing and --volume");
+        wrong.emplace_back("--probes is a list of its own: it excludes --spacing and --volume");
     }
-    if (call.level.empty() && call.light.environment.empty()) wrong.push_back("no LEVEL: name a .gltf or .glb file, or an --environment");
-    if (wrong.empty()) return;
-    std::string text;
-    for (const std::string& line : wrong) text += (text.empty() ? "" : "\n  ") + line;
-    throw Error(text, "", "See --help");
+    if (call.level.empty() && call.light.environment.empty() && call.light.sky.empty() && call.light.sun_sky.empty()) {
+        wrong.emplace_back("no LEVEL: name a .gltf or .glb file, or an --environment");
+    }
+    if (!wrong.empty()) throw Error(fmt::format("{}", fmt::join(wrong, "; ")), "", "See level-bake --help");
 }
 
-std::vector<Box> parse_boxes(const std::vector<std::string>& texts) {
-    std::vector<Box> boxes;
-    for (const std::string& text : texts) {
-        const std::vector<double> n = parse_numbers(text, 6, "--volume", "0,0,0,10,3,8");
-        Box box;
-        box.extend({n[0], n[1], n[2]});
-        box.extend({n[3], n[4], n[5]});
-        boxes.push_back(box);
+std::vector<glm::dvec3> read_probes(const Call& call) {
+    std::vector<glm::dvec3> positions = read_points(call.probes).positions;
+    if (positions.empty()) throw Error("has no points", call.probes, "Give a row for each probe");
+    if (call.max_probes && positions.size() > static_cast<std::size_t>(*call.max_probes)) {
+        throw Error(fmt::format("{} points, more than --max-probes {}", positions.size(), *call.max_probes),
+                    call.probes);
     }
-    return boxes;
+    return positions;
 }
 
-/// Fails before the bake, not after it, where the result could not be written.
-void check_folder(const fs::path& file) {
-    const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
-    if (!fs::is_directory(folder)) {
-        throw Error("there is no folder " + folder.string(), file.string(), "Make it, or choose another place with -o");
+fs::path output_path(const Call& call) {
+    if (!call.output.empty()) return call.output;
+    fs::path source = !call.level.empty() ? call.level : call.light.environment;
+    if (source.empty()) source = call.light.sky.empty() ? "sun-sky" : "sky";
+    return source.filename().replace_extension(".probes.exr");
+}
+
+/// Fails before the bake, not after it, where a result could not be written or would replace what it is made from.
+void check_output(const fs::path& file, const Call& call) {
+    for (const std::string& input : {call.level, call.light.environment, call.probes}) {
+        std::error_code not_there;
+        if (!input.empty() && fs::equivalent(file, input, not_there)) {
+            throw Error("would replace what is to be baked", file.string(), "Name another file");
+        }
     }
-    if (fs::is_directory(file)) throw Error("is a folder", file.string(), "Name a file");
+    check_writable(file);
 }
 
 bool has_light(const PathTracer& paths) {
     return paths.estimators().emitters || paths.estimators().sky || paths.estimators().lights;
 }
 
+Scene empty_scene() {
+    Scene scene;
+    scene.name = "none";
+    scene.materials.emplace_back();
+    return scene;
+}
+
 int bake(const Call& call) {
     check(call);
+    const fs::path output = output_path(call);
+    check_output(output, call);
+    if (!call.report_json.empty()) check_output(call.report_json, call);
     const ThreadLimit threads(call.threads);
     Messages messages(call.quiet);
 
     BakeOptions options;
     options.placement.spacing = call.spacing;
-    options.placement.boxes = parse_boxes(call.volumes);
-    options.placement.max_probes = call.max_probes;
-    if (!call.probes.empty()) options.probes = read_points(call.probes).positions;
+    for (const std::string& text : call.volumes) options.placement.boxes.push_back(parse_box(text));
+    if (call.max_probes) options.placement.max_probes = *call.max_probes;
+    if (!call.probes.empty()) options.probes = read_probes(call);
     options.bands = call.bands;
     options.samples = call.samples;
     options.seed = call.seed;
@@ -163,14 +231,7 @@ int bake(const Call& call) {
     Stopwatch watch;
     const ChosenLight light = choose_light(call.light);
     options.environment = light.description;
-    Scene scene;
-    if (call.level.empty()) {
-        scene.name = "none";
-        scene.materials.emplace_back();
-        if (!options.probes) options.probes = std::vector<glm::dvec3>{glm::dvec3(0)};
-    } else {
-        scene = load_level(call.level, {call.scene});
-    }
+    const Scene scene = call.level.empty() ? empty_scene() : load_level(call.level, {call.scene});
     std::vector<Stage> stages{{"load", watch.lap(), 0}};
     const Tracer tracer(scene);
     const PathTracer paths(tracer, light.environment);
@@ -178,23 +239,17 @@ int bake(const Call& call) {
     for (const std::string& notice : light.notices) messages.notice(notice);
     for (const std::string& notice : scene.notices) messages.notice(notice);
     if (!has_light(paths)) {
-        messages.warning("the level has no light of its own and none was given: all probes will be black. "
-                         "Add --sky 1,1,1 or --environment FILE");
+        messages.warning(
+            "the level has no light of its own and none was given: all probes will be black. "
+            "Add --sky 1,1,1 or --environment FILE");
     }
 
     BakePlan plan = plan_bake(paths, options);
     plan.stages.insert(plan.stages.begin(), stages.begin(), stages.end());
     print_plan(messages, scene, tracer, plan, options);
-    if (plan.volume.has_cells() && plan.slots.empty()) {
+    if (plan.placement.valid + plan.placement.moved == 0) {
         messages.warning("no probe is valid: all are inside solids. Check the level's winding, or give a --volume");
     }
-
-    const fs::path output = !call.output.empty() ? fs::path(call.output)
-                                                 : fs::path(call.level.empty() ? call.light.environment : call.level)
-                                                       .filename()
-                                                       .replace_extension(".probes.exr");
-    check_folder(output);
-    if (!call.report_json.empty()) check_folder(call.report_json);
 
     ProgressLine line(messages);
     BakeResult result = run_bake(paths, plan, options, [&](const std::string& stage, double share, std::uint64_t rays) {

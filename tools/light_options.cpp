@@ -1,16 +1,63 @@
 #include "tools/light_options.h"
 
-#include <fmt/format.h>
-
-#include <charconv>
-#include <cmath>
-#include <filesystem>
-
 #include "core/environment_file.h"
 #include "core/error.h"
 #include "core/sun_sky.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+
 namespace lightgrid {
+namespace {
+
+bool has_turbidity(const std::string& sun_sky) {
+    return std::count(sun_sky.begin(), sun_sky.end(), ',') == 2;
+}
+
+std::vector<double> parse_sun_sky(const std::string& text) {
+    return parse_numbers(text, has_turbidity(text) ? 3 : 2, "40,120,3");
+}
+
+glm::vec3 parse_sky(const std::string& text) {
+    const std::vector<double> rgb = parse_numbers(text, 3, "1,1,1");
+    for (const double value : rgb) {
+        if (value < 0) throw Error(fmt::format("{}: radiance cannot be negative", text));
+        if (value > std::numeric_limits<float>::max()) throw Error(fmt::format("{}: too large a number", text));
+    }
+    return {rgb[0], rgb[1], rgb[2]};
+}
+
+}  // namespace
+
+CLI::Validator checked(const std::function<void(const std::string&)>& parse) {
+    return {[parse](const std::string& text) {
+                try {
+                    parse(text);
+                    return std::string();
+                } catch (const Error& error) {
+                    return std::string(error.what());
+                }
+            },
+            "", "checked"};
+}
+
+CLI::Validator number(double least, double most, bool whole) {
+    return checked([=](const std::string& text) {
+        double value = 0;
+        const char* end = text.data() + text.size();
+        const auto [stopped_at, problem] = std::from_chars(text.data(), end, value);
+        const bool fits = problem == std::errc() && stopped_at == end && value >= least && value <= most;
+        if (fits && (!whole || value == std::floor(value))) return;
+        std::string wanted = whole ? "whole number" : "finite number";
+        if (least > std::numeric_limits<double>::lowest()) wanted += fmt::format(" from {} on", least);
+        if (most < std::numeric_limits<double>::max()) wanted += fmt::format(" to {}", most);
+        throw Error(fmt::format("{} is not a {}", text, wanted));
+    });
+}
 
 void add_light_options(CLI::App& app, LightOptions& options) {
     const char* group = "Light (a level's own lights always count)";
@@ -20,20 +67,29 @@ void add_light_options(CLI::App& app, LightOptions& options) {
     app.add_option("--environment-layout", options.layout,
                    "How the image wraps: auto, equirect, vertical-cross, horizontal-cross, strip, angular")
         ->type_name("LAYOUT")
+        ->check(checked(parse_environment_layout))
         ->group(group);
-    app.add_option("--environment-rotation", options.rotation_deg, "Turns it counter-clockwise about +Y, seen from above")
+    app.add_option("--environment-rotation", options.rotation_deg,
+                   "Turns it counter-clockwise about +Y, seen from above")
         ->type_name("DEG")
+        ->check(number())
         ->group(group);
-    app.add_option("--environment-intensity", options.intensity, "Multiplies its radiance")->type_name("S")->group(group);
-    app.add_option("--sky", options.sky, "Uniform radiance over the whole sphere, cd/m^2")->type_name("R,G,B")->group(group);
+    app.add_option("--environment-intensity", options.intensity, "Multiplies its radiance")
+        ->type_name("S")
+        ->check(number(0))
+        ->group(group);
+    app.add_option("--sky", options.sky, "Uniform radiance over the whole sphere, cd/m^2")
+        ->type_name("R,G,B")
+        ->check(checked(parse_sky))
+        ->group(group);
     app.add_option("--sun-sky", options.sun_sky,
                    "Daylight: elevation and azimuth of the sun in degrees, turbidity (clear 2 .. hazy 10, default 3)")
         ->type_name("ELEVATION,AZIMUTH[,TURBIDITY]")
+        ->check(checked(parse_sun_sky))
         ->group(group);
 }
 
-std::vector<double> parse_numbers(const std::string& text, std::size_t count, const std::string& option,
-                                  const std::string& example) {
+std::vector<double> parse_numbers(const std::string& text, std::size_t count, const std::string& example) {
     std::vector<double> numbers;
     const char* at = text.data();
     const char* end = at + text.size();
@@ -45,40 +101,43 @@ std::vector<double> parse_numbers(const std::string& text, std::size_t count, co
         numbers.push_back(number);
         at = next;
         while (at < end && *at == ' ') ++at;
-        if (at < end && *at++ != ',') break;
         if (at == end && numbers.size() == count) return numbers;
+        if (at < end && *at++ != ',') break;
     }
-    throw Error(fmt::format("\"{}\" is not {} numbers with commas between them", text, count), option,
-                fmt::format("Write for example {} {}", option, example));
+    throw Error(fmt::format("\"{}\" is not {} numbers with commas between them, like {}", text, count, example));
 }
 
 ChosenLight choose_light(const LightOptions& options) {
-    const int given = (options.environment.empty() ? 0 : 1) + (options.sky.empty() ? 0 : 1) + (options.sun_sky.empty() ? 0 : 1);
+    const int given =
+        (options.environment.empty() ? 0 : 1) + (options.sky.empty() ? 0 : 1) + (options.sun_sky.empty() ? 0 : 1);
     if (given > 1) {
         throw Error("--environment, --sky and --sun-sky exclude each other", "", "Give one of them");
     }
+    if (options.environment.empty() &&
+        (options.layout != "auto" || options.rotation_deg != 0 || options.intensity != 1)) {
+        throw Error(
+            "--environment-layout, --environment-rotation and --environment-intensity belong to an --environment", "",
+            "Give one, or leave them out");
+    }
     ChosenLight light;
     if (!options.sky.empty()) {
-        const std::vector<double> rgb = parse_numbers(options.sky, 3, "--sky", "1,1,1");
-        if (rgb[0] < 0 || rgb[1] < 0 || rgb[2] < 0) throw Error("radiance cannot be negative", "--sky");
-        light.environment = Environment::uniform(glm::vec3(rgb[0], rgb[1], rgb[2]));
-        light.description = fmt::format("uniform sky {},{},{} cd/m^2", rgb[0], rgb[1], rgb[2]);
+        const glm::vec3 radiance = parse_sky(options.sky);
+        light.environment = Environment::uniform(radiance);
+        light.description = fmt::format("uniform sky {},{},{} cd/m^2", radiance.r, radiance.g, radiance.b);
     } else if (!options.sun_sky.empty()) {
-        const bool with_turbidity = std::count(options.sun_sky.begin(), options.sun_sky.end(), ',') == 2;
-        const std::vector<double> numbers =
-            parse_numbers(options.sun_sky, with_turbidity ? 3 : 2, "--sun-sky", "40,120,3");
+        const std::vector<double> numbers = parse_sun_sky(options.sun_sky);
         SunSky sun_sky;
         sun_sky.elevation_deg = static_cast<float>(numbers[0]);
         sun_sky.azimuth_deg = static_cast<float>(numbers[1]);
-        if (with_turbidity) sun_sky.turbidity = static_cast<float>(numbers[2]);
-        light.environment = make_sun_sky(sun_sky);
+        if (numbers.size() == 3) sun_sky.turbidity = static_cast<float>(numbers[2]);
+        try {
+            light.environment = make_sun_sky(sun_sky);
+        } catch (const Error& error) {
+            throw error.inside("--sun-sky");
+        }
         light.description = fmt::format("sun at {} deg elevation, {} deg azimuth, turbidity {}", sun_sky.elevation_deg,
                                         sun_sky.azimuth_deg, sun_sky.turbidity);
     } else if (!options.environment.empty()) {
-        if (!std::isfinite(options.rotation_deg)) throw Error("not a finite angle", "--environment-rotation");
-        if (!(options.intensity >= 0) || !std::isfinite(options.intensity)) {
-            throw Error("must be a finite number, 0 or more", "--environment-intensity");
-        }
         EnvironmentOptions environment;
         environment.layout = parse_environment_layout(options.layout);
         environment.rotation_deg = static_cast<float>(options.rotation_deg);
@@ -86,9 +145,9 @@ ChosenLight choose_light(const LightOptions& options) {
         LoadedEnvironment loaded = load_environment(options.environment, environment);
         light.environment = std::move(loaded.environment);
         light.notices = std::move(loaded.notices);
-        light.description = fmt::format("{}, turned {} deg, times {}",
-                                        std::filesystem::path(options.environment).filename().string(),
-                                        options.rotation_deg, options.intensity);
+        light.description =
+            fmt::format("{}, turned {} deg, times {}", std::filesystem::path(options.environment).filename().string(),
+                        options.rotation_deg, options.intensity);
     }
     return light;
 }

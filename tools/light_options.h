@@ -1,11 +1,13 @@
 #pragma once
 
+#include "core/environment.h"
+
 #include <CLI/CLI.hpp>
-#include <optional>
+
+#include <functional>
+#include <limits>
 #include <string>
 #include <vector>
-
-#include "core/environment.h"
 
 namespace lightgrid {
 
@@ -30,8 +32,13 @@ struct ChosenLight {
 /// Throws Error for values that make no sense and for files that cannot be read.
 [[nodiscard]] ChosenLight choose_light(const LightOptions& options);
 
-/// "1,2,3" as numbers; throws Error naming `option` unless there are `count` finite ones.
-[[nodiscard]] std::vector<double> parse_numbers(const std::string& text, std::size_t count, const std::string& option,
-                                                const std::string& example);
+/// "1,2,3" as numbers; throws Error unless there are `count` finite ones.
+[[nodiscard]] std::vector<double> parse_numbers(const std::string& text, std::size_t count, const std::string& example);
+
+/// Refuses what `parse` throws Error for, so that every wrong value of a call is reported at once.
+[[nodiscard]] CLI::Validator checked(const std::function<void(const std::string&)>& parse);
+/// Refuses what is no finite number from `least` to `most`.
+[[nodiscard]] CLI::Validator number(double least = std::numeric_limits<double>::lowest(),
+                                    double most = std::numeric_limits<double>::max(), bool whole = false);
 
 }  // namespace lightgrid

@@ -1,11 +1,11 @@
 #include "tools/progress.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <unistd.h>
 
 namespace lightgrid {
 namespace {
@@ -17,7 +17,9 @@ constexpr std::chrono::milliseconds redraw_every{100};
 /// Before this share of a stage is done, the time that is left is a guess not worth printing.
 constexpr double share_worth_a_forecast = 0.02;
 
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+double seconds_since(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
 
 }  // namespace
 
@@ -28,7 +30,9 @@ void Messages::line(const std::string& text) const {
     if (!quiet_) fmt::print(stderr, "{}\n", text);
 }
 
-void Messages::notice(const std::string& text) const { line((colour_ ? "\x1b[2mnotice:\x1b[0m " : "notice: ") + text); }
+void Messages::notice(const std::string& text) const {
+    line((colour_ ? "\x1b[2mnotice:\x1b[0m " : "notice: ") + text);
+}
 
 void Messages::warning(const std::string& text) const {
     line((colour_ ? "\x1b[33mwarning:\x1b[0m " : "warning: ") + text);
@@ -66,8 +70,8 @@ void ProgressLine::draw(double share, std::uint64_t rays) {
     const int full = static_cast<int>(std::lround(share * bar_cells));
     const std::string left =
         share > share_worth_a_forecast ? ", " + duration_text(seconds / share * (1 - share)) + " left" : "";
-    fmt::print(stderr, "\r\x1b[K{} [{:#<{}}{:.<{}}] {:3.0f} %  {:.2f} Mrays/s{}", stage_, "", full, "", bar_cells - full,
-               100 * share, static_cast<double>(rays) * 1e-6 / std::max(seconds, 1e-3), left);
+    fmt::print(stderr, "\r\x1b[K{} [{:#<{}}{:.<{}}] {:3.0f} %  {:.2f} Mrays/s{}", stage_, "", full, "",
+               bar_cells - full, 100 * share, static_cast<double>(rays) * 1e-6 / std::max(seconds, 1e-3), left);
     std::fflush(stderr);
     drawn_ = true;
 }

@@ -9,8 +9,8 @@
 namespace lightgrid {
 namespace {
 
-// A grid's probes with x running fastest, then y, then z, whatever bricks they are stored in; then a list's rows as they
-// are.
+// A grid's probes with x running fastest, then y, then z, whatever bricks they are stored in; then a list's rows as
+// they are.
 std::vector<std::size_t> stored_probes(const Volume& volume) {
     std::vector<std::size_t> slots(volume.slots());
     std::iota(slots.begin(), slots.end(), std::size_t{0});

@@ -1,17 +1,17 @@
 // Light at points of real levels against values that an independent renderer (Mitsuba 3) computed there.
 
-#include <fmt/format.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <nlohmann/json.hpp>
-
 #include "core/environment_file.h"
 #include "core/gltf.h"
 #include "core/sh.h"
 #include "probes/gather.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
 
 namespace lightgrid {
 namespace {
@@ -30,7 +30,9 @@ std::vector<std::string> reference_names() {
     return names;
 }
 
-glm::dvec3 vec3(const nlohmann::json& value) { return {value.at(0), value.at(1), value.at(2)}; }
+glm::dvec3 vec3(const nlohmann::json& value) {
+    return {value.at(0), value.at(1), value.at(2)};
+}
 
 Environment reference_environment(const nlohmann::json& value) {
     if (value.is_null()) return {};
@@ -95,8 +97,9 @@ Agreement compare_level(const std::string& name) {
                 if (std::abs(estimate.mean[c] - expected[c]) <= tolerance) {
                     ++result.agree;
                 } else {
-                    result.outliers += fmt::format("{} point {} {} colour {}: {} +- {}, reference {} +- {}\n", name, i, what,
-                                                   c, estimate.mean[c], estimate.error[c], expected[c], expected_error[c]);
+                    result.outliers +=
+                        fmt::format("{} point {} {} colour {}: {} +- {}, reference {} +- {}\n", name, i, what, c,
+                                    estimate.mean[c], estimate.error[c], expected[c], expected_error[c]);
                 }
             }
         };
@@ -117,8 +120,8 @@ Agreement compare_level(const std::string& name) {
         }
     }
     result.signed_error /= ambient_sum;
-    fmt::print("{:36} {} of {} within 3 standard errors, mean signed error {:+.3f} %, worst noise {:.2f} % of L_0\n", name,
-               result.agree, result.values, 100 * result.signed_error, 100 * result.worst_noise);
+    fmt::print("{:36} {} of {} within 3 standard errors, mean signed error {:+.3f} %, worst noise {:.2f} % of L_0\n",
+               name, result.agree, result.values, 100 * result.signed_error, 100 * result.worst_noise);
     return result;
 }
 
@@ -137,7 +140,8 @@ TEST(References, AgreeWithinThreeStandardErrors) {
         outliers += level.outliers;
         EXPECT_LT(level.worst_noise, 0.03) << name;
         // The references' rays start 5e-5 of the level's diagonal off surfaces and their shadow rays end 9e-4 short of
-        // emitters. In the garage, whose window frame cuts through the emitter, that alone brings 0.5 to 1 % more light.
+        // emitters. In the garage, whose window frame cuts through the emitter, that alone brings 0.5 to 1 % more
+        // light.
         EXPECT_LT(std::abs(level.signed_error), 0.01) << name;
     }
     // A point's values are correlated, so they are counted over all levels.

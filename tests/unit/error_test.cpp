@@ -12,7 +12,9 @@ TEST(Error, ReadsWhereThenProblemThenRemedy) {
                  "hall.glb: mesh \"arch\": index 912, but only 880 vertices. Re-export the mesh.");
 }
 
-TEST(Error, LeavesOutEmptyParts) { EXPECT_STREQ(Error("no scene").what(), "no scene"); }
+TEST(Error, LeavesOutEmptyParts) {
+    EXPECT_STREQ(Error("no scene").what(), "no scene");
+}
 
 TEST(Error, BlamesTheInputUnlessToldOtherwise) {
     EXPECT_EQ(Error("x").fault(), Fault::input);
