@@ -28,7 +28,7 @@ struct BakeOptions {
 
 /// Where --samples is not given: the most, in powers of two, that trace no more rays than this (well under a minute on
 /// two cores). Counted in rays, not in seconds, so that a bake is the same on every machine.
-inline constexpr double default_ray_budget = 1.5e8;
+inline constexpr double default_ray_budget = 1e8;
 inline constexpr std::uint32_t most_default_samples = 4096;
 inline constexpr std::uint32_t least_default_samples = 64;
 
