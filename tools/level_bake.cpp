@@ -173,7 +173,7 @@ void check(const Call& call) {
 
 std::vector<glm::dvec3> read_probes(const Call& call) {
     std::vector<glm::dvec3> positions = read_points(call.probes).positions;
-    if (positions.empty()) throw Error("has no points", call.probes, "Give a row for each probe");
+    if (positions.empty()) throw Error("has no points", call.probes, "Give a row for each probe.");
     if (call.max_probes && positions.size() > static_cast<std::size_t>(*call.max_probes)) {
         throw Error(fmt::format("{} points, more than --max-probes {}", positions.size(), *call.max_probes),
                     call.probes);
@@ -193,7 +193,7 @@ void check_output(const fs::path& file, const Call& call) {
     for (const std::string& input : {call.level, call.light.environment, call.probes}) {
         std::error_code not_there;
         if (!input.empty() && fs::equivalent(file, input, not_there)) {
-            throw Error("would replace what is to be baked", file.string(), "Name another file");
+            throw Error("would replace what is to be baked", file.string(), "Name another file.");
         }
     }
     check_writable(file);

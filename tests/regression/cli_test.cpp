@@ -1,22 +1,13 @@
 // Runs the built `lightgrid` as a user or a script does.
 
 #include "core/sh.h"
-#include "core/whole_file.h"
 #include "probes/half_storage.h"
 #include "probes/volume_file.h"
-#include "tools/csv.h"
-
-#include <fmt/format.h>
-#include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
+#include "tests/regression/program_test.h"
 
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <fcntl.h>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <unistd.h>
 
 namespace lightgrid {
@@ -24,23 +15,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Result {
-    int status = -1;
-    std::string out;
-    std::string err;
-};
-
 // A folder with a volume and a probe list, and the program run in it.
-class Cli : public testing::Test {
+class Cli : public ProgramTest {
   protected:
+    Cli() : ProgramTest(LIGHTGRID_PROGRAM) {}
     void SetUp() override {
-        std::string name = (fs::temp_directory_path() / "lightgrid-cli-XXXXXX").string();
-        folder_ = ::mkdtemp(name.data());
-        save_volume(linear_volume(), folder_ / "hall.probes.exr");
-        save_volume(list(), folder_ / "list.probes.exr");
+        save_volume(linear_volume(), folder() / "hall.probes.exr");
+        save_volume(list(), folder() / "list.probes.exr");
         write("points.csv", "x,y,z\n0.5,1,1.5\n-9,1,1\n");
     }
-    void TearDown() override { fs::remove_all(folder_); }
 
     // Uniform radiance at each probe, growing with x: irradiance is pi (1 + x) in red, half of that in green.
     static Volume linear_volume() {
@@ -63,50 +46,9 @@ class Cli : public testing::Test {
         volume.states[1] = ProbeState::missing;
         return volume;
     }
-
-    void write(const char* name, const std::string& text) const { std::ofstream(folder_ / name) << text; }
-
-    [[nodiscard]] Result shell(const std::string& command) const {
-        const std::string line =
-            fmt::format("cd '{}' && {{ {}\n}} >out.txt 2>err.txt </dev/null", folder_.string(), command);
-        const int raw = std::system(line.c_str());
-        return {WIFEXITED(raw) ? WEXITSTATUS(raw) : -1, read_whole_file(folder_ / "out.txt"),
-                read_whole_file(folder_ / "err.txt")};
-    }
-    [[nodiscard]] Result run(const std::string& arguments) const { return shell(LIGHTGRID_PROGRAM " " + arguments); }
-
-    // The call is wrong: status 2, nothing on standard output, one line that says what on standard error.
-    void expect_refused(const std::string& arguments, const std::string& message) const {
-        const Result result = run(arguments);
-        EXPECT_EQ(result.status, 2) << arguments;
-        EXPECT_EQ(result.out, "") << arguments;
-        EXPECT_EQ(result.err.rfind("lightgrid: ", 0), 0U) << result.err;
-        EXPECT_NE(result.err.find(message), std::string::npos)
-            << arguments << "\nsaid:   " << result.err << "wanted: " << message;
-    }
-
-    [[nodiscard]] CsvTable csv(const std::string& arguments) const {
-        const Result result = run(arguments);
-        EXPECT_EQ(result.status, 0) << result.err;
-        EXPECT_EQ(result.err, "");
-        return {result.out, "out.txt"};
-    }
-
-    [[nodiscard]] nlohmann::json json(const std::string& arguments) const {
-        const Result result = run(arguments);
-        EXPECT_EQ(result.status, 0) << result.err;
-        return nlohmann::json::parse(result.out);
-    }
-
-    fs::path folder_;
 };
 
-std::string first_line(const std::string& text) {
-    return text.substr(0, text.find('\n'));
-}
-
 // ---- query
-// -------------------------------------------------------------------------------------------------------------
 
 TEST_F(Cli, QueryPrintsIrradianceForTheGivenNormals) {
     write("normals.csv", "nx,ny,nz,x,y,z\n0,0,2,0.5,1,1.5\n");
@@ -173,7 +115,7 @@ TEST_F(Cli, QueryDerings) {
         if (volume.states[slot] == ProbeState::absent) continue;
         std::copy(lamp.begin(), lamp.end(), volume.coefficients.begin() + static_cast<std::ptrdiff_t>(slot * 9));
     }
-    save_volume(volume, folder_ / "lamp.probes.exr");
+    save_volume(volume, folder() / "lamp.probes.exr");
     write("normals.csv", "x,y,z,nx,ny,nz\n0.5,0.5,0.5,0.846,-0.533,0\n");  // 122.2 degrees from the light
     EXPECT_NEAR(csv("query lamp.probes.exr --points normals.csv").number(0, 6), -0.0396, 1e-4);
     EXPECT_GE(csv("query lamp.probes.exr --points normals.csv --dering").number(0, 6), 0);
@@ -204,7 +146,6 @@ TEST_F(Cli, QueryRefusesWhatItCannotAnswer) {
 }
 
 // ---- probes, info
-// --------------------------------------------------------------------------------------------------------
 
 TEST_F(Cli, ProbesPrintsTheGridWithXFastest) {
     const Result result = run("probes hall.probes.exr");
@@ -242,13 +183,12 @@ TEST_F(Cli, InfoTellsEverythingAsTextAndAsJson) {
     EXPECT_EQ(info["probes"]["missing"], 1);
     EXPECT_EQ(info["replicates"], 16);
     EXPECT_EQ(info["settings"]["seed"], "7");
-    EXPECT_EQ(info["bytes"], fs::file_size(folder_ / "hall.probes.exr"));
+    EXPECT_EQ(info["bytes"], fs::file_size(folder() / "hall.probes.exr"));
     EXPECT_NEAR(info["irradiance"]["standard_error"].get<double>(), 0.02, 1e-6);
     EXPECT_EQ(json("info list.probes.exr --json")["kind"], "list");
 }
 
 // ---- diff
-// --------------------------------------------------------------------------------------------------------------
 
 TEST_F(Cli, DiffOfAVolumeWithItselfIsZero) {
     const nlohmann::json same = json("diff hall.probes.exr hall.probes.exr --json");
@@ -261,7 +201,7 @@ TEST_F(Cli, DiffOfAVolumeWithItselfIsZero) {
 TEST_F(Cli, DiffMeasuresTheShareThatLightIsOff) {
     Volume brighter = linear_volume();
     for (glm::vec3& c : brighter.coefficients) c *= 1.03F;
-    save_volume(brighter, folder_ / "bright.probes.exr");
+    save_volume(brighter, folder() / "bright.probes.exr");
     const nlohmann::json off = json("diff hall.probes.exr bright.probes.exr --json");
     EXPECT_NEAR(off["relrmse"].get<double>(), 0.03, 1e-5);
     EXPECT_NEAR(off["mean_error"].get<double>(), 0.03, 1e-5);
@@ -300,7 +240,6 @@ TEST_F(Cli, DiffRefusesWhatItCannotCompare) {
 }
 
 // ---- The program
-// ---------------------------------------------------------------------------------------------------------
 
 TEST_F(Cli, AnswersForHelpAndVersionOnStandardOutput) {
     for (const char* call : {"--help", "info --help", "query -h", "--version"}) {
@@ -336,7 +275,7 @@ TEST_F(Cli, TakesAClosedPipeForAnAnswer) {
         shell("(" LIGHTGRID_PROGRAM " query hall.probes.exr --points many.csv; echo $? >status.txt) | head -n 1");
     EXPECT_EQ(first_line(result.out), "x,y,z,nx,ny,nz,r,g,b,valid");
     EXPECT_EQ(result.err, "");
-    EXPECT_EQ(read_whole_file(folder_ / "status.txt"), "0\n");
+    EXPECT_EQ(read_whole_file(folder() / "status.txt"), "0\n");
 }
 
 TEST_F(Cli, FailsWhereResultsCannotBeWritten) {
@@ -348,7 +287,7 @@ TEST_F(Cli, FailsWhereResultsCannotBeWritten) {
 TEST_F(Cli, NamesBrokenVolumes) {
     write("empty.exr", "");
     expect_refused("info empty.exr", "empty.exr: is empty");
-    const std::string whole = read_whole_file(folder_ / "hall.probes.exr");
+    const std::string whole = read_whole_file(folder() / "hall.probes.exr");
     write("half.exr", whole.substr(0, whole.size() / 2));
     expect_refused("info half.exr", "half.exr: is damaged");
     expect_refused("probes .", ".: cannot be read: Is a directory");
@@ -382,7 +321,7 @@ TEST_F(Cli, ReadsTheSameLightFromHalfStorage) {
     for (glm::vec3& error : volume.errors) error *= 100.0F;
     ASSERT_TRUE(choose_storage(volume).half);
     store_as_half(volume);
-    save_volume(volume, folder_ / "half.probes.exr");
+    save_volume(volume, folder() / "half.probes.exr");
     EXPECT_LT(json("diff hall.probes.exr half.probes.exr --json")["relrmse"].get<double>(), std::ldexp(1, -11));
     EXPECT_EQ(json("info half.probes.exr --json")["storage"]["type"], "half");
 }

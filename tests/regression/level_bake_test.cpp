@@ -1,0 +1,328 @@
+// Runs the built `level-bake` as a user or a script does.
+
+#include "probes/volume_file.h"
+#include "tests/regression/program_test.h"
+
+#include <glm/gtc/constants.hpp>
+
+#include <cmath>
+#include <set>
+
+namespace lightgrid {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string cornell = LIGHTGRID_SCENES "/cornell.glb";
+
+class LevelBake : public ProgramTest {
+  protected:
+    LevelBake() : ProgramTest(LEVEL_BAKE_PROGRAM) {}
+
+    [[nodiscard]] std::set<std::string> files() const {
+        std::set<std::string> names;
+        for (const auto& entry : fs::directory_iterator(folder())) names.insert(entry.path().filename().string());
+        return names;
+    }
+    [[nodiscard]] std::string bytes(const std::string& name) const { return read_whole_file(folder() / name); }
+
+    /// A square floor of 2 m at y = 0 that reflects half of the light, and nodes of a test's own.
+    void write_floor(const std::string& name, const std::vector<nlohmann::json>& nodes = {}) const {
+        write_level(name, {{-1, 0, 1}, {1, 0, 1}, {1, 0, -1}, {-1, 0, -1}}, {0, 1, 2, 0, 2, 3}, nodes);
+    }
+    /// A solid cube of 2 m about the origin.
+    void write_block(const std::string& name) const {
+        std::vector<glm::vec3> corners;
+        for (int i = 0; i < 8; ++i) corners.emplace_back(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
+        write_level(name, corners, {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
+                                    2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5});
+    }
+
+  private:
+    void write_level(const std::string& name, const std::vector<glm::vec3>& corners,
+                     const std::vector<std::uint32_t>& triangles, const std::vector<nlohmann::json>& nodes = {}) const {
+        GltfBuilder gltf;
+        const int grey = gltf.add("materials", {{"pbrMetallicRoughness", {{"baseColorFactor", {0.5, 0.5, 0.5, 1}}}}});
+        const int mesh = gltf.mesh({{"attributes", {{"POSITION", gltf.vec3s(corners)}}},
+                                    {"indices", gltf.indices(triangles)},
+                                    {"material", grey}});
+        gltf.node({{"mesh", mesh}});
+        for (const nlohmann::json& node : nodes) gltf.json["scenes"][0]["nodes"].push_back(gltf.node(node));
+        write(name, gltf.glb());
+    }
+};
+
+// ---- Input and output
+
+TEST_F(LevelBake, WritesIntoTheCurrentFolderUnderTheLevelsName) {
+    fs::create_directory(folder() / "levels");
+    write_floor("levels/hall.v2.glb");
+    const Result result = run("levels/hall.v2.glb --sky 1,1,1 --samples 16 --spacing 1");
+    EXPECT_EQ(result.status, 0) << result.err;
+    EXPECT_EQ(result.out, "") << "results of a bake are its file";
+    EXPECT_EQ(files(), (std::set<std::string>{"levels", "hall.v2.probes.exr"}));
+    EXPECT_EQ(load_volume(folder() / "hall.v2.probes.exr").settings.at("level"), "hall.v2.glb");
+}
+
+TEST_F(LevelBake, TakesOptionsBeforeAndAfterTheLevelWithSpaceOrEqualsSign) {
+    write_floor("floor.glb");
+    EXPECT_EQ(run("--sky=1,1,1 --samples 32 floor.glb --spacing=1 -o a.exr --quiet").status, 0);
+    EXPECT_EQ(run("floor.glb --samples=32 --spacing 1 --output=b.exr --sky 1,1,1 --quiet").status, 0);
+    EXPECT_EQ(bytes("a.exr"), bytes("b.exr"));
+}
+
+TEST_F(LevelBake, BakesOneProbeOfAnEnvironmentWithoutALevel) {
+    ASSERT_EQ(run("--sky 1,2,3 -o sky.exr --quiet").status, 0);
+    const Volume volume = load_volume(folder() / "sky.exr");
+    ASSERT_EQ(volume.slots(), 1U);
+    for (int channel = 0; channel < 3; ++channel) {
+        const double exact = 2 * std::sqrt(glm::pi<double>()) * (channel + 1);
+        EXPECT_NEAR(volume.sh(0)[0][channel], exact, 5e-4 * exact) << "rounded to half";
+    }
+    ASSERT_EQ(run("--sun-sky 45,0").status, 0);
+    EXPECT_TRUE(fs::exists(folder() / "sun-sky.probes.exr"));
+}
+
+TEST_F(LevelBake, LosesNothingWhereAnInputOrOutputIsWrong) {
+    write("hall.probes.exr", "an earlier bake");
+    write("hall.glb", "glTF no longer");
+    write_floor("floor.glb");
+    const std::string floor = bytes("floor.glb");
+    const std::set<std::string> before = files();
+    expect_refused("hall.glb", "hall.glb: ");
+    expect_refused("nowhere.glb", "nowhere.glb: cannot be read: No such file");
+    expect_refused("floor.glb --sky 1,1,1 -o floor.glb", "floor.glb: would replace what is to be baked");
+    expect_refused("floor.glb --sky 1,1,1 --report-json floor.glb", "floor.glb: would replace what is to be baked");
+    expect_refused("floor.glb --sky 1,1,1 -o nowhere/floor.exr", "nowhere/floor.exr: cannot be written");
+    expect_refused("floor.glb --environment nowhere.hdr", "nowhere.hdr: cannot be read");
+    expect_refused("floor.glb --scene 7", "scene 7");
+    expect_refused("floor.glb --sky 1,1,1 --probes hall.glb", "hall.glb: ");
+    EXPECT_EQ(run("floor.glb --sky 1,1,1 --samples 16 --spacing 1 -o /dev/full").status, 1);
+    EXPECT_EQ(files(), before);
+    EXPECT_EQ(bytes("hall.probes.exr"), "an earlier bake");
+    EXPECT_EQ(bytes("floor.glb"), floor);
+}
+
+TEST_F(LevelBake, LeavesNothingHalfWrittenWhenItIsStopped) {
+    write("hall.probes.exr", "an earlier bake");
+    // A test may itself run with SIGINT ignored, which a program inherits, hence `env`.
+    for (const auto& [signal, status] : {std::pair("INT", 130), std::pair("TERM", 143)}) {
+        const Result result =
+            shell(fmt::format("timeout --preserve-status --kill-after=20 --signal={} 0.5 env --default-signal=INT {} "
+                              "{} --samples 100000000 "
+                              "--spacing 1 -o hall.probes.exr",
+                              signal, LEVEL_BAKE_PROGRAM, cornell));
+        EXPECT_EQ(result.status, status) << result.err;
+        EXPECT_EQ(files(), (std::set<std::string>{"hall.probes.exr"}));
+        EXPECT_EQ(bytes("hall.probes.exr"), "an earlier bake");
+    }
+}
+
+// ---- What is printed
+
+TEST_F(LevelBake, TellsBeforeAndAfterTheBakeWhatItDoes) {
+    const Result result = run(cornell + " --samples 20 --spacing 1");
+    for (const char* part : {"level      cornell.glb: ", "probes     ", " inside solids", "estimate   ", " of memory",
+                             "left out   environment look-ups: ", "32 per probe in 16 replicates (20 asked, rounded up",
+                             "\nload ", "\ngather ", "Mrays/s", "noise      ", "written    cornell.probes.exr ("}) {
+        EXPECT_NE(result.err.find(part), std::string::npos) << part << "\n" << result.err;
+    }
+    EXPECT_LT(result.err.find("estimate   "), result.err.find("gather ..."));
+    EXPECT_EQ(result.err.find_first_of("\r\x1b"), std::string::npos) << "no terminal: plain lines\n" << result.err;
+}
+
+TEST_F(LevelBake, PrintsTheSummaryAsJsonAndNothingElseWithJson) {
+    const Result result = run(cornell + " --samples 16 --spacing 1 --json --quiet");
+    EXPECT_EQ(result.err, "");
+    const auto summary = nlohmann::json::parse(result.out);
+    EXPECT_EQ(summary["output"], "cornell.probes.exr");
+    EXPECT_EQ(summary["samples"], 16);
+    EXPECT_EQ(summary["bytes"], fs::file_size(folder() / "cornell.probes.exr"));
+    EXPECT_TRUE(summary["error"]["relrmse"].is_null()) << "not asked for";
+    EXPECT_GT(summary["error"]["parts"]["noise"]["relrmse"], 0.0);
+}
+
+TEST_F(LevelBake, ReportsErrorCurveStagesAndWhatItLeftOut) {
+    ASSERT_EQ(run(cornell + " --samples 64 --spacing 1 --report-json report.json --quiet").status, 0);
+    const auto report = nlohmann::json::parse(bytes("report.json"));
+    const auto& error = report["error"];
+    EXPECT_LE(error["interval"][0], error["relrmse"]);
+    EXPECT_GE(error["interval"][1], error["relrmse"]);
+    for (const char* part : {"noise", "bands", "interpolation"}) {
+        EXPECT_GT(error["parts"][part]["relrmse"], 0.0) << part;
+        EXPECT_EQ(error["parts"][part]["interval"].size(), 2U) << part;
+    }
+    EXPECT_TRUE(error["target_met"].is_null()) << "no target was given";
+    ASSERT_GE(report["curve"].size(), 2U);
+    EXPECT_GT(report["curve"].front()["relrmse"], report["curve"].back()["relrmse"]);
+    EXPECT_LT(report["curve"].front()["seconds"], report["curve"].back()["seconds"]);
+    EXPECT_EQ(report["curve"].back()["interval"].size(), 2U);
+    std::set<std::string> stages;
+    for (const auto& stage : report["stages"]) {
+        stages.insert(stage["name"]);
+        EXPECT_GE(stage["seconds"], 0.0);
+        EXPECT_GE(stage["rays"], 0);
+    }
+    for (const char* name : {"load", "gather", "reference", "save"}) EXPECT_EQ(stages.count(name), 1U) << name;
+    ASSERT_FALSE(report["left_out"].empty());
+    for (const auto& item : report["left_out"]) {
+        for (const char* key : {"what", "evidence", "saved"}) EXPECT_NE(item[key], "") << item;
+    }
+}
+
+TEST_F(LevelBake, SaysNothingButErrorsWithQuiet) {
+    write_floor("floor.glb");
+    const Result result = run("floor.glb --samples 16 --spacing 1 --quiet");  // without light: a warning otherwise
+    EXPECT_EQ(result.status, 0);
+    EXPECT_EQ(result.out + result.err, "");
+    EXPECT_NE(run("nowhere.glb --quiet").err, "");
+}
+
+TEST_F(LevelBake, AnswersForHelpAndVersionOnStandardOutput) {
+    EXPECT_EQ(run("--version").out.rfind("level-bake ", 0), 0U);
+    const Result help = run("--help");
+    EXPECT_EQ(help.status, 0);
+    EXPECT_EQ(help.err, "");
+    for (const char* option : {"--environment ",
+                               "--environment-layout",
+                               "--environment-rotation",
+                               "--environment-intensity",
+                               "--sky ",
+                               "--sun-sky",
+                               "--spacing",
+                               "--volume",
+                               "--probes",
+                               "--scene",
+                               "--max-probes",
+                               "--samples",
+                               "--max-error",
+                               "--time-budget",
+                               "--bands",
+                               "--method",
+                               "--seed",
+                               "--threads",
+                               "--layers",
+                               "--report ",
+                               "--report-json",
+                               "--json",
+                               "--quiet"}) {
+        EXPECT_NE(help.out.find(option), std::string::npos) << option;
+    }
+}
+
+TEST_F(LevelBake, ReportsEveryWrongOptionAndWhatItMayHaveMeant) {
+    const Result result =
+        run("a.glb --smaples 3 --bands 99 --sky 1,2 --threads -1 --spacing 0 --volume 0,0,0,1,1 --samples much");
+    EXPECT_EQ(result.status, 2);
+    for (const char* part : {"--smaples (did you mean --samples?)", "--bands: ", "--sky: ", "--threads: ",
+                             "--spacing: ", "--volume: ", "--samples: ", "See level-bake --help."}) {
+        EXPECT_NE(result.err.find(part), std::string::npos) << part << "\n" << result.err;
+    }
+    expect_refused("", "no LEVEL");
+    expect_refused("a.glb --probes p.csv --spacing 1", "--probes is a list of its own");
+    expect_refused("a.glb b.glb", "argument \"b.glb\" is one too many");
+    expect_refused("a.glb --spacing nan", "--spacing: ");
+    expect_refused("a.glb --sky 1,1,inf", "--sky: ");
+}
+
+TEST_F(LevelBake, RefusesAGridTooLargeToBeMeantBeforeItAllocatesAnything) {
+    expect_refused(cornell + " --spacing 1e-5", "GB), more than --max-probes 65536");
+    expect_refused(cornell + " --volume 0,0,0,1e9,1e9,1e9 --spacing 1e-9", "more than --max-probes 65536");
+}
+
+// ---- Where and how much
+
+TEST_F(LevelBake, GathersListedProbesWhereTheyAreInTheirOrder) {
+    write_floor("floor.glb");
+    const std::string points = "z,name,x,y\n0,a,0.5,1\n0.25,b,0,2\n0,c,0.5,1\n";
+    write("points.csv", points);
+    ASSERT_EQ(run("floor.glb --sky 1,1,1 --samples 64 --probes points.csv -o list.exr --quiet").status, 0);
+    const Volume list = load_volume(folder() / "list.exr");
+    EXPECT_EQ(list.list, (std::vector<glm::dvec3>{{0.5, 1, 0}, {0, 2, 0.25}, {0.5, 1, 0}}));
+    ASSERT_EQ(shell("printf '" + points +
+                    "' | " LEVEL_BAKE_PROGRAM " floor.glb --sky 1,1,1 --samples 64 --probes - -o piped.exr --quiet")
+                  .status,
+              0);
+    EXPECT_EQ(bytes("list.exr"), bytes("piped.exr"));
+    write("empty.csv", "x,y,z\n");
+    expect_refused("floor.glb --sky 1,1,1 --probes empty.csv", "empty.csv: has no points");
+    expect_refused("floor.glb --sky 1,1,1 --probes points.csv --max-probes 2", "3 points, more than --max-probes 2");
+}
+
+TEST_F(LevelBake, PlacesProbesWhereTheLevelsMarkersAre) {
+    // A marked node's box is that of its mesh, or the unit cube without one: here 2 m about (0, 1, 0).
+    write_floor(
+        "floor.glb",
+        {{{"name", "here"}, {"translation", {0, 1, 0}}, {"scale", {2, 2, 2}}, {"extras", {{"lightgrid", "volume"}}}},
+         {{"name", "spot"}, {"translation", {0.1, 5, 0.2}}, {"extras", {{"lightgrid", "probe"}}}}});
+    const Result result = run("floor.glb --sky 1,1,1 --samples 16 --spacing 1");
+    ASSERT_EQ(result.status, 0) << result.err;
+    EXPECT_NE(result.err.find("over the box marked in the level"), std::string::npos) << result.err;
+    const Volume volume = load_volume(folder() / "floor.probes.exr");
+    ASSERT_EQ(volume.grids.size(), 1U);
+    EXPECT_EQ(volume.grids[0].counts, glm::ivec3(3));
+    EXPECT_NEAR(volume.grids[0].origin.y, 0, 1e-6);
+    ASSERT_EQ(volume.list.size(), 1U);
+    EXPECT_LT(glm::distance(volume.list[0], glm::dvec3(0.1, 5, 0.2)), 1e-6);
+}
+
+TEST_F(LevelBake, FillsEveryGivenBox) {
+    write_floor("floor.glb");
+    ASSERT_EQ(
+        run("floor.glb --sky 1,1,1 --samples 16 --spacing 0.5 --volume 1,2,3,0,1,2 --volume=-2,0,0,-1,1,0.5 --quiet")
+            .status,
+        0);
+    const Volume volume = load_volume(folder() / "floor.probes.exr");
+    ASSERT_EQ(volume.grids.size(), 2U);
+    EXPECT_EQ(volume.grids[0].origin, glm::dvec3(0, 1, 2)) << "corners in any order";
+    EXPECT_EQ(volume.grids[1].counts, glm::ivec3(3, 3, 2));
+}
+
+TEST_F(LevelBake, WarnsWhereThereIsNoLight) {
+    write_floor("floor.glb");
+    const Result result = run("floor.glb --samples 16 --spacing 1");
+    EXPECT_EQ(result.status, 0);
+    EXPECT_NE(result.err.find("warning: the level has no light of its own"), std::string::npos) << result.err;
+}
+
+TEST_F(LevelBake, WarnsWhereNoProbeIsValidAndKeepsWhatWasGathered) {
+    write_block("block.glb");
+    write("inside.csv", "x,y,z\n0,0,0\n");
+    const Result result = run("block.glb --sky 1,1,1 --probes inside.csv --samples 16 -o inside.exr");
+    EXPECT_EQ(result.status, 0);
+    EXPECT_NE(result.err.find("warning: no probe is valid"), std::string::npos) << result.err;
+    const Volume list = load_volume(folder() / "inside.exr");
+    ASSERT_EQ(list.slots(), 1U);
+    EXPECT_FALSE(is_valid(list.states[0]));
+    EXPECT_EQ(list.sh(0)[0], glm::vec3(0)) << "no light gets in";
+}
+
+// ---- The same bits
+
+TEST_F(LevelBake, TheBytesDependOnLevelOptionsAndSeedOnly) {
+    const auto bake = [&](const std::string& options) {
+        EXPECT_EQ(run(options + " --samples 32 --spacing 0.8 --quiet").status, 0) << options;
+    };
+    bake(cornell + " -o one.exr --threads 1");
+    bake(cornell + " -o two.exr --threads 2");
+    fs::create_directories(folder() / "elsewhere");
+    fs::copy_file(cornell, folder() / "elsewhere/cornell.glb");
+    bake("elsewhere/cornell.glb -o there.exr --report-json report.json");
+    bake(cornell + " -o other.exr --seed 1");
+    EXPECT_EQ(bytes("one.exr"), bytes("two.exr"));
+    EXPECT_EQ(bytes("one.exr"), bytes("there.exr"));
+    EXPECT_NE(bytes("one.exr"), bytes("other.exr"));
+}
+
+// ---- What another version will have
+
+TEST_F(LevelBake, RefusesByNameWhatIsNotInThisVersion) {
+    for (const char* option :
+         {"--method cache", "--max-error 2%", "--time-budget 60s", "--layers direct,indirect", "--report page.html"}) {
+        expect_refused(cornell + " " + option, "is not in this version");
+    }
+    expect_refused(cornell + " --method photon", "photon is not known");
+}
+
+}  // namespace
+}  // namespace lightgrid
