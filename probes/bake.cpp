@@ -17,9 +17,10 @@ namespace {
 
 constexpr std::size_t pilot_points = 64;
 constexpr std::uint32_t pilot_samples = 64;
-/// What rays cost is decided by the few points whose paths hardly end, so more of them are asked for less.
-constexpr std::size_t cost_points = 512;
-constexpr std::uint32_t cost_samples = GatherOptions{}.replicates;
+constexpr std::size_t timed_points = 512;
+constexpr std::uint32_t timed_samples = 16;
+/// How many rays a path takes is decided by the few points whose paths hardly end: many points, a path or two at each.
+constexpr std::size_t counted_paths = 8192;
 /// Rough looks at a point's light need no long paths, and sealed cavities of white walls would never end them.
 constexpr std::uint32_t pilot_bounces = 16;
 /// Of the gather rays, for the reference at held-out points.
@@ -68,29 +69,58 @@ double median_light(const PathTracer& paths, const Volume& volume, std::uint64_t
     return *middle;
 }
 
-/// What a gather ray costs, its whole path included, from a few at some of the points.
+/// What a gather ray costs, its whole path included.
 struct Cost {
     double rays = 0;
     double seconds = 0;  // on all threads together
 };
 
-Cost measure_cost(const PathTracer& paths, const std::vector<glm::vec3>& points, std::uint64_t seed,
-                  PathCounts& counts) {
-    const std::size_t count = std::min(cost_points, points.size());
-    if (count == 0) return {};
+std::vector<glm::vec3> spread_over(const std::vector<glm::vec3>& points, std::size_t most) {
+    const std::size_t count = std::min(most, points.size());
     std::vector<glm::vec3> some;
     for (std::size_t i = 0; i < count; ++i) some.push_back(points[i * points.size() / count]);
+    return some;
+}
+
+double total_rays(const PathCounts& counts) {
+    return static_cast<double>(counts.rays + counts.shadow_rays);
+}
+
+double rays_per_path(const PathTracer& paths, const std::vector<glm::vec3>& points, std::uint64_t seed,
+                     PathCounts& counts) {
+    const std::vector<glm::vec3> some = spread_over(points, counted_paths);
+    const auto directions = even_directions(static_cast<std::uint32_t>(counted_paths / some.size()));
+    std::vector<PathCounts> counted(some.size());
+    for_each_index(some.size(), [&](std::size_t i) {
+        std::vector<LightSample> light;
+        paths.gather(some[i], mix_bits(mix_bits(seed, 8), i), directions, light, counted[i]);
+    });
+    PathCounts sum;
+    for (const PathCounts& c : counted) sum += c;
+    counts += sum;
+    return total_rays(sum) / static_cast<double>(some.size() * directions.size());
+}
+
+double seconds_per_ray(const PathTracer& paths, const std::vector<glm::vec3>& points, std::uint64_t seed,
+                       PathCounts& counts) {
     GatherOptions options;
     options.bands = 1;
-    options.samples = cost_samples;
+    options.samples = timed_samples;
+    options.replicates = 1;
     options.seed = mix_bits(seed, 7);
     PathCounts counted;
     const Stopwatch watch;
-    static_cast<void>(gather(paths, std::move(some), options, &counted));
-    const auto samples = static_cast<double>(count * cost_samples);
-    const Cost cost{static_cast<double>(counted.rays + counted.shadow_rays) / samples, watch.seconds() / samples};
+    static_cast<void>(gather(paths, spread_over(points, timed_points), options, &counted));
+    const double seconds = watch.seconds();
     counts += counted;
-    return cost;
+    return seconds / total_rays(counted);
+}
+
+Cost measure_cost(const PathTracer& paths, const std::vector<glm::vec3>& points, std::uint64_t seed,
+                  PathCounts& counts) {
+    if (points.empty()) return {};
+    const double rays = rays_per_path(paths, points, seed, counts);
+    return {rays, rays * seconds_per_ray(paths, points, seed, counts)};
 }
 
 LightEvidence light_evidence(const PathTracer& paths, double usual_light, std::uint64_t seed) {
