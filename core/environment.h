@@ -66,8 +66,7 @@ class Environment {
     /// Draws a direction in proportion to luminance (see above); the sun disc by its share of the whole.
     ///
     /// u  in [0, 1)^3: x chooses between image and sun, (y, z) the place. Continuous in (y, z), so that stratified
-    /// points
-    ///    stay stratified.
+    ///    points stay stratified.
     [[nodiscard]] Sample sample(glm::vec3 u) const noexcept;
 
     /// Density of `sample` at `direction`, per steradian; positive wherever the radiance is. Bit for bit what `sample`

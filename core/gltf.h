@@ -13,8 +13,7 @@ struct LoadOptions {
 /// Reads a level from glTF 2.0: .gltf or .glb, recognised by content, with data URIs or files beside it.
 ///
 /// Nodes       transforms compose in double; a negative determinant turns the winding, so that front stays front. A
-/// mesh
-///             that stands several times becomes instances, never copies: by several nodes or by
+///             mesh that stands several times becomes instances, never copies: by several nodes or by
 ///             EXT_mesh_gpu_instancing.
 /// Geometry    every triangle mode, indexed or not; sparse, interleaved, quantised (KHR_mesh_quantization), packed
 ///             (EXT_meshopt_compression, KHR_draco_mesh_compression); skins and morph targets as they stand at rest.
@@ -24,7 +23,7 @@ struct LoadOptions {
 ///             no base colour.
 /// Lights      KHR_lights_punctual.
 /// Markers     nodes with extras {"lightgrid": "volume"} or {"lightgrid": "probe"}; their meshes are no part of the
-/// level.
+///             level.
 ///
 /// Only what light paths read is converted, and what turns out to make no difference is left out (Scene::left_out).
 /// What was ignored, clamped or repaired, and what is broken where no light path reads it, is named in Scene::notices.

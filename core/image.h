@@ -53,11 +53,11 @@ struct RadianceFile {
 
 /// A picture of linear light from memory, recognised by content.
 ///
-/// OpenEXR       scanline, tiled, multi-part, any compression; level 0 of mip- and rip-maps; half, float or uint; R, G,
-/// B
-///               or luminance (Y, with or without RY and BY), of the first part and layer that has them; converted to
-///               Rec.709 where `chromaticities` says otherwise. The picture is the display window, black where the data
-///               window leaves it out; with an `envmap` attribute it is the data window, as ImfEnvmap.h says.
+/// OpenEXR       scanline, tiled, multi-part, any compression; level 0 of mip- and rip-maps; half, float or uint;
+///               R, G, B or luminance (Y, with or without RY and BY), of the first part and layer that has them;
+///               converted to Rec.709 where `chromaticities` says otherwise. The picture is the display window, black
+///               where the data window leaves it out; with an `envmap` attribute it is the data window, as ImfEnvmap.h
+///               says.
 /// Radiance HDR  RGBE, run-length coded or flat, divided by EXPOSURE as its specification asks.
 /// PNG, JPEG, WebP  decoded from sRGB to [0, 1].
 ///

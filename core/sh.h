@@ -140,8 +140,7 @@ void window_sh(std::span<double> coefficients, ShWindow window, double strength)
 /// Source:   the aim is that of Sloan, "Deringing Spherical Harmonics", 2017, for 3 bands. Here, for any bands, each
 ///           direction in which irradiance is negative tells the strength that it needs, until there is none.
 /// returns   the strength; 0 if nothing was changed but channels that became black. A channel that is not finite asks
-/// for
-///           none.
+///           for none.
 /// Cost:     3 bands: 5 us if nothing rings, 0.2 ms if it does; grows as bands^3.
 double dering_sh(std::span<glm::vec3> radiance, ShWindow window = ShWindow::poisson);
 

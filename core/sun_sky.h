@@ -21,8 +21,7 @@ struct SunSky {
 /// component may be negative.
 ///
 /// Source:  Preetham, Shirley, Smits, "A Practical Analytic Model for Daylight", 1999: Perez' five-parameter function
-/// for
-///          luminance and chromaticity, fitted to simulated atmospheres. It is up to twice as bright as measured clear
+///          for luminance and chromaticity, fitted to simulated atmospheres. It is up to twice as bright as measured clear
 ///          skies (turbidity 2, the sun at 45 degrees: 25 klx on the ground; IESNA's clear sky has 14), and below
 ///          turbidity 2 its horizon is far too bright.
 [[nodiscard]] glm::dvec3 sky_radiance(const SunSky& sun_sky, glm::dvec3 direction);

@@ -144,7 +144,6 @@ std::string complaint(const Volume& volume) {
 #define EXPECT_MENTIONS(text, part) EXPECT_NE((text).find(part), std::string::npos) << (text)
 
 // ---- Volume
-// ------------------------------------------------------------------------------------------------------------
 
 TEST(Volume, HoldsEveryProbeOfItsGridsOnce) {
     const Volume volume = make_volume({{{0, 0, 0}, {1, 1, 1}, {6, 5, 9}}, {{9, 9, 9}, {1, 1, 1}, {4, 4, 4}}}, 2);
@@ -219,7 +218,6 @@ TEST(Volume, RefusesAGridTooLargeBeforeAllocatingIt) {
 }
 
 // ---- Its file
-// ----------------------------------------------------------------------------------------------------------
 
 TEST(VolumeFile, ReturnsEveryBitThatWasSaved) {
     for (const int bands : {1, 3, 5, 8}) {
@@ -348,7 +346,6 @@ TEST(VolumeFile, WritesToADeviceWithoutReplacingIt) {
 }
 
 // ---- Half storage
-// --------------------------------------------------------------------------------------------------------
 
 TEST(HalfStorage, KeepsElevenBitsOverTheWholeRangeOfFloat) {
     std::mt19937 random(3);
