@@ -40,7 +40,7 @@ class Stopwatch {
 double rough_light(const PathTracer& paths, glm::vec3 point, std::uint64_t key, PathCounts& counts) {
     std::vector<LightSample> light;
     static const std::vector<glm::vec3> directions = even_directions(pilot_samples);
-    paths.gather(point, key, directions, light, counts, pilot_bounces);
+    paths.gather(point, key, directions, light, counts, {.most_bounces = pilot_bounces});
     paths.gather_punctual(point, light, counts);
     double sum = 0;
     for (const LightSample& sample : light) sum += luminance(sample.radiance);
