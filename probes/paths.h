@@ -55,7 +55,7 @@ struct GatherRays {
     const SurfaceCache* cache = nullptr;
     /// With a cache, one sample of emitters and environment for each so many gather rays, but at least one: such
     /// samples cost as much as a ray, and the light that they are for has no other noise.
-    std::uint32_t rays_per_light_sample = 4;
+    std::uint32_t rays_per_light_sample = 2;
 };
 
 /// A surface that a ray met, and the share of light from there that what the ray has passed before lets through.

@@ -86,6 +86,11 @@ void print_result(const Messages& messages, const BakePlan& plan, const BakeResu
                           : fmt::format("{:<10} {:8.3f} s  {:8.2f} million rays  {:6.2f} Mrays/s", stage.name,
                                         stage.seconds, static_cast<double>(stage.rays) * 1e-6, rate));
     }
+    if (result.cache) {
+        messages.line(fmt::format("cache      {} patches of {} samples, {:.3g} m wide, solved in {} sweeps to {:.1e}",
+                                  result.cache->patches, result.cache->samples, plan.cache.width, result.cache->sweeps,
+                                  result.cache->residual));
+    }
     if (result.counts.dropped > 0) {
         messages.warning(fmt::format("{} samples were not finite and count as black", result.counts.dropped));
     }
@@ -122,7 +127,16 @@ json bake_report(const BakePlan& plan, const BakeResult& result, const BakeOptio
     report["bands"] = options.bands;
     report["seed"] = options.seed;
     report["samples"] = plan.samples;
-    report["method"] = "path";
+    report["method"] = name_of(plan.method);
+    if (result.cache) {
+        report["cache"] = {{"patches", result.cache->patches},
+                           {"samples", result.cache->samples},
+                           {"cut_cubes", result.cache->cut_cubes},
+                           {"generations", result.cache->generations},
+                           {"sweeps", result.cache->sweeps},
+                           {"residual", result.cache->residual},
+                           {"width", plan.cache.width}};
+    }
     report["spacing"] = plan.why_spacing;
     report["estimate"] = {{"seconds", plan.seconds_estimate}, {"bytes", plan.bytes_estimate}};
     report["grids"] = json::array();

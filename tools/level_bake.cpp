@@ -64,9 +64,11 @@ CLI::Validator not_yet(const std::string& instead) {
     return checked([instead](const std::string&) { throw Error("is not in this version: use " + instead); });
 }
 
-void parse_method(const std::string& name) {
-    if (name == "cache") throw Error("cache is not in this version: use path");
-    if (name != "path") throw Error(fmt::format("{} is not known: there is path", name));
+Method parse_method(const std::string& name) {
+    for (const Method method : {Method::path, Method::cache}) {
+        if (name == name_of(method)) return method;
+    }
+    throw Error(fmt::format("{} is not known: there are path and cache", name));
 }
 
 void parse_layers(const std::string& names) {
@@ -118,7 +120,8 @@ void add_options(CLI::App& app, Call& call) {
         ->check(number(1, max_sh_bands, true))
         ->capture_default_str()
         ->group(how);
-    app.add_option("--method", call.method, "path: the unbiased path tracer")
+    app.add_option("--method", call.method,
+                   "path: the unbiased path tracer; cache: light of surfaces solved once for all probes, fast")
         ->type_name("NAME")
         ->check(checked(parse_method))
         ->capture_default_str()
@@ -225,6 +228,7 @@ int bake(const Call& call) {
     if (!call.probes.empty()) options.probes = read_probes(call);
     options.bands = call.bands;
     options.samples = call.samples;
+    options.method = parse_method(call.method);
     options.seed = call.seed;
     options.measure_error = !call.samples || !call.report_json.empty();
 

@@ -314,11 +314,44 @@ TEST_F(LevelBake, TheBytesDependOnLevelOptionsAndSeedOnly) {
     EXPECT_NE(bytes("one.exr"), bytes("other.exr"));
 }
 
+TEST_F(LevelBake, TheCacheGivesTheLightOfPathsAndTheSameBytesForAnyNumberOfThreads) {
+    const auto bake = [&](const std::string& arguments) {
+        const Result result = run(cornell + " --spacing 1 --samples 1024 --quiet " + arguments);
+        EXPECT_EQ(result.status, 0) << result.err;
+        return result;
+    };
+    bake("--method path -o path.exr");
+    bake("--method cache -o cache.exr --threads 1");
+    bake("--method cache -o two.exr --threads 2");
+    EXPECT_EQ(bytes("cache.exr"), bytes("two.exr"));
+    const Volume paths = load_volume(folder() / "path.exr");
+    const Volume cached = load_volume(folder() / "cache.exr");
+    EXPECT_EQ(paths.settings.at("method"), "path");
+    EXPECT_EQ(cached.settings.at("method"), "cache");
+    double squares = 0;
+    double power = 0;
+    for (std::size_t slot = 0; slot < paths.slots(); ++slot) {
+        if (!is_valid(paths.states[slot])) continue;
+        const glm::dvec3 difference(cached.sh(slot)[0] - paths.sh(slot)[0]);
+        squares += glm::dot(difference, difference);
+        power += glm::dot(glm::dvec3(paths.sh(slot)[0]), glm::dvec3(paths.sh(slot)[0]));
+    }
+    EXPECT_LT(std::sqrt(squares / power), 0.03) << "1,024 rays leave a percent or two of noise";
+}
+
+TEST_F(LevelBake, FewProbesAreGatheredByPathsEvenWhereACacheIsAskedFor) {
+    write("points.csv", "x,y,z\n0,2,0\n1,1,1\n");
+    const std::string same = cornell + " --probes points.csv --samples 256 --quiet";
+    ASSERT_EQ(run(same + " --method path -o path.exr").status, 0);
+    ASSERT_EQ(run(same + " --method cache -o cache.exr").status, 0);
+    EXPECT_EQ(bytes("path.exr"), bytes("cache.exr"));
+}
+
 // ---- What another version will have
 
 TEST_F(LevelBake, RefusesByNameWhatIsNotInThisVersion) {
     for (const char* option :
-         {"--method cache", "--max-error 2%", "--time-budget 60s", "--layers direct,indirect", "--report page.html"}) {
+         {"--max-error 2%", "--time-budget 60s", "--layers direct,indirect", "--report page.html"}) {
         expect_refused(cornell + " " + option, "is not in this version");
     }
     expect_refused(cornell + " --method photon", "photon is not known");
