@@ -7,6 +7,7 @@
 #include "core/gltf.h"
 #include "core/tracer.h"
 #include "core/whole_file.h"
+#include "tools/program.h"
 
 #include <fmt/format.h>
 
@@ -160,10 +161,5 @@ int run(int argc, char** argv) {
 }  // namespace lightgrid
 
 int main(int argc, char** argv) {
-    try {
-        return lightgrid::run(argc, argv);
-    } catch (const lightgrid::Error& error) {
-        fmt::print(stderr, "bench_export_level: {}\n", error.what());
-        return static_cast<int>(error.fault());
-    }
+    return lightgrid::run_program("bench_export_level", [&] { return lightgrid::run(argc, argv); });
 }

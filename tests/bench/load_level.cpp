@@ -11,6 +11,7 @@
 #include "core/whole_file.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/raw_scene.h"
+#include "tools/program.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -129,10 +130,5 @@ int run(int argc, char** argv) {
 }  // namespace lightgrid
 
 int main(int argc, char** argv) {
-    try {
-        return lightgrid::run(argc, argv);
-    } catch (const lightgrid::Error& error) {
-        fmt::print(stderr, "bench_load_level: {}\n", error.what());
-        return static_cast<int>(error.fault());
-    }
+    return lightgrid::run_program("bench_load_level", [&] { return lightgrid::run(argc, argv); });
 }

@@ -11,6 +11,7 @@
 #include "probes/gather.h"
 #include "tests/bench/measure.h"
 #include "tools/csv.h"
+#include "tools/program.h"
 
 #include <fmt/format.h>
 
@@ -80,10 +81,5 @@ int run(int argc, char** argv) {
 }  // namespace lightgrid
 
 int main(int argc, char** argv) {
-    try {
-        return lightgrid::run(argc, argv);
-    } catch (const lightgrid::Error& error) {
-        fmt::print(stderr, "bench_path_gather: {}\n", error.what());
-        return static_cast<int>(error.fault());
-    }
+    return lightgrid::run_program("bench_path_gather", [&] { return lightgrid::run(argc, argv); });
 }

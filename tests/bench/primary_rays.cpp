@@ -11,6 +11,7 @@
 #include "core/tracer.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/raw_scene.h"
+#include "tools/program.h"
 
 #include <fmt/format.h>
 
@@ -99,10 +100,5 @@ int run(int argc, char** argv) {
 }  // namespace lightgrid
 
 int main(int argc, char** argv) {
-    try {
-        return lightgrid::run(argc, argv);
-    } catch (const lightgrid::Error& error) {
-        fmt::print(stderr, "bench_primary_rays: {}\n", error.what());
-        return static_cast<int>(error.fault());
-    }
+    return lightgrid::run_program("bench_primary_rays", [&] { return lightgrid::run(argc, argv); });
 }
