@@ -150,7 +150,7 @@ class Exporter {
 };
 
 int run(int argc, char** argv) {
-    if (argc != 3) throw Error("call it with LEVEL and FOLDER", "bench_export_level");
+    if (argc != 3) throw Error("call it with LEVEL and FOLDER");
     fs::create_directories(argv[2]);
     const Scene scene = load_level(argv[1]);
     Exporter(scene, argv[2]).run();

@@ -79,7 +79,7 @@ struct Column {
 };
 
 int run(int argc, char** argv) {
-    if (argc != 2) throw Error("call it with LEVEL", "bench_load_level");
+    if (argc != 2) throw Error("call it with LEVEL");
     const fs::path level = argv[1];
     const std::vector<fs::path> files = needed_images(level);
     Column load, build, decode, commit;

@@ -26,7 +26,7 @@ constexpr std::uint32_t replicates = 64;
 constexpr double dark = 0.01;  // points with less of the median irradiance do not count by themselves
 
 int run(int argc, char** argv) {
-    if (argc < 3) throw Error("call it with LEVEL and POINTS.csv", "bench_path_gather");
+    if (argc < 3) throw Error("call it with LEVEL and POINTS.csv");
     const Scene scene = load_level(argv[1]);
     const Tracer tracer(scene);
     const Environment environment = argc > 4 ? load_environment(argv[4]).environment : Environment();

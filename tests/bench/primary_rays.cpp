@@ -26,7 +26,7 @@ namespace {
 constexpr int rounds = 9;
 
 int run(int argc, char** argv) {
-    if (argc < 2) throw Error("no LEVEL given", "bench_primary_rays");
+    if (argc < 2) throw Error("no LEVEL given");
     const std::size_t points = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1024;
     const std::uint32_t rays = argc > 3 ? static_cast<std::uint32_t>(std::strtoul(argv[3], nullptr, 10)) : 1024;
 
