@@ -19,8 +19,10 @@ constexpr std::size_t pilot_points = 64;
 constexpr std::uint32_t pilot_samples = 64;
 constexpr std::size_t timed_points = 512;
 constexpr std::uint32_t timed_samples = 16;
-/// How many rays a path takes is decided by the few points whose paths hardly end: many points, a path or two at each.
+/// How many rays a path takes is decided by the few points whose paths hardly end: many points, a path or two at each,
+/// but no more than a small share of all that will be traced.
 constexpr std::size_t counted_paths = 8192;
+constexpr std::size_t counted_share = 16;
 /// Rough looks at a point's light need no long paths, and sealed cavities of white walls would never end them.
 constexpr std::uint32_t pilot_bounces = 16;
 /// With fewer probes paths are cheaper than a cache that is as good as they are.
@@ -95,10 +97,11 @@ double total_rays(const PathCounts& counts) {
     return static_cast<double>(counts.rays + counts.shadow_rays);
 }
 
-double rays_per_path(const PathTracer& paths, const std::vector<glm::vec3>& points, std::uint64_t seed,
-                     PathCounts& counts) {
-    const std::vector<glm::vec3> some = spread_over(points, counted_paths);
-    const auto directions = even_directions(static_cast<std::uint32_t>(counted_paths / some.size()));
+double rays_per_path(const PathTracer& paths, const std::vector<glm::vec3>& points, std::uint32_t least_samples,
+                     std::uint64_t seed, PathCounts& counts) {
+    const std::size_t count = std::clamp(points.size() * least_samples / counted_share, std::size_t{1}, counted_paths);
+    const std::vector<glm::vec3> some = spread_over(points, count);
+    const auto directions = even_directions(static_cast<std::uint32_t>(count / some.size()));
     std::vector<PathCounts> counted(some.size());
     for_each_index(some.size(), [&](std::size_t i) {
         std::vector<LightSample> light;
@@ -125,10 +128,10 @@ double seconds_per_ray(const PathTracer& paths, const std::vector<glm::vec3>& po
     return seconds / total_rays(counted);
 }
 
-Cost measure_cost(const PathTracer& paths, const std::vector<glm::vec3>& points, std::uint64_t seed,
-                  PathCounts& counts) {
+Cost measure_cost(const PathTracer& paths, const std::vector<glm::vec3>& points, std::uint32_t least_samples,
+                  std::uint64_t seed, PathCounts& counts) {
     if (points.empty()) return {};
-    const double rays = rays_per_path(paths, points, seed, counts);
+    const double rays = rays_per_path(paths, points, least_samples, seed, counts);
     return {rays, rays * seconds_per_ray(paths, points, seed, counts)};
 }
 
@@ -285,7 +288,8 @@ BakePlan plan_bake(const PathTracer& paths, const BakeOptions& options) {
         plan.left_out.push_back({"the surface cache", fmt::format("{} probes are few", plan.points.size()),
                                  "solving for the light of all surfaces"});
     }
-    Cost cost = measure_cost(paths, plan.points, options.seed, pilot);
+    Cost cost =
+        measure_cost(paths, plan.points, options.samples.value_or(least_default_samples), options.seed, pilot);
     if (plan.method == Method::cache && cost.rays > 0) {
         const double rays = 1 + 1.0 / GatherRays{}.rays_per_light_sample;
         cost = {rays, cost.seconds * rays / cost.rays};
