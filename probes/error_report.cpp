@@ -25,6 +25,7 @@ struct PointSums {
     double noise = 0;
     double bands = 0;
     double interpolation = 0;
+    double bias = 0;
 };
 
 double component_sum(glm::dvec3 v) {
@@ -132,6 +133,13 @@ HeldOut trace_held_out(const Volume& volume, const PathTracer& paths, const Ligh
     return held_out;
 }
 
+void trace_bias(HeldOut& held_out, const PathTracer& paths, const SurfaceCache& cache, const BiasOptions& options) {
+    std::vector<glm::vec3> relative;
+    for (const glm::dvec3& point : held_out.points) relative.emplace_back(point - paths.tracer().scene().origin);
+    held_out.bias = measure_bias(paths, cache, relative, even_normals(), options);
+    held_out.counts += held_out.bias->counts;
+}
+
 ErrorReport measure_error(const Volume& volume, const HeldOut& reference, double storage_error) {
     ErrorReport report;
     report.points = reference.points.size();
@@ -163,6 +171,10 @@ ErrorReport measure_error(const Volume& volume, const HeldOut& reference, double
             sum.total += component_sum((ours - a) * (ours - b));
             sum.bands += component_sum((a - truncated_a) * (b - truncated_b));
             sum.interpolation += component_sum((truncated_a - ours) * (truncated_b - ours));
+            if (reference.bias) {
+                const std::size_t index = i * normals.size() + k;
+                sum.bias += component_sum(reference.bias->a[index] * reference.bias->b[index]);
+            }
             const glm::dvec3 mean = 0.5 * (a + b);
             mean_irradiance[i] += component_sum(mean) / (3.0 * static_cast<double>(normals.size()));
             for (int c = 0; c < 3; ++c) differences[i].push_back(std::abs(ours[c] - mean[c]));
@@ -174,13 +186,14 @@ ErrorReport measure_error(const Volume& volume, const HeldOut& reference, double
             sum.noise += weight * weight * irradiance_variance(errors, volume.bands);
         }
         sum.noise *= static_cast<double>(normals.size());
-        sum.interpolation -= sum.noise;
+        sum.interpolation -= sum.noise + sum.bias;
     });
 
     report.total = summarise(sums, &PointSums::total);
     report.noise = summarise(sums, &PointSums::noise);
     report.bands = summarise(sums, &PointSums::bands);
     report.interpolation = summarise(sums, &PointSums::interpolation);
+    if (reference.bias) report.bias = summarise(sums, &PointSums::bias);
     const double reference_sum =
         std::accumulate(sums.begin(), sums.end(), 0.0, [](double s, const PointSums& p) { return s + p.reference; });
     if (reference_sum > 0) {

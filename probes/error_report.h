@@ -1,5 +1,6 @@
 #pragma once
 
+#include "probes/cache_bias.h"
 #include "probes/gather.h"
 #include "probes/placement.h"
 #include "probes/volume.h"
@@ -19,7 +20,8 @@
 ///
 ///     bands          (A - A_sh)(B - B_sh)             A_sh: irradiance of the truncated SH at x
 ///     noise          sum_c w_c^2 sum_i A_l^2 var_i / (4 pi)   corners c with weights w_c; exact mean over all normals
-///     interpolation  (A_sh - E_vol)(B_sh - E_vol) - noise
+///     bias           (C_a - A')(C_b - B')             with a surface cache: cached minus true at x (cache_bias.h)
+///     interpolation  (A_sh - E_vol)(B_sh - E_vol) - noise - bias
 ///     storage        noise-free: what rounding to half added
 ///
 /// Points are the sampling unit: 95 % intervals are percentiles of 1,000 resamplings of points with replacement.
@@ -41,6 +43,7 @@ struct ErrorReport {
     std::size_t points = 0;
     std::size_t normals = 0;
     ErrorPart total, noise, bands, interpolation, storage;
+    std::optional<ErrorPart> bias;     // of a surface cache
     double p50 = 0, p95 = 0, p99 = 0;  // of |dE| / max(mean E at x, 1 % of the level's median E)
     struct Worst {
         glm::dvec3 position{0};
@@ -55,6 +58,7 @@ struct HeldOut {
     Gather a;                        // two independent halves
     Gather b;
     PathCounts counts;
+    std::optional<CacheBias> bias;  // of the cache that lit the volume, at the same points and normals
 };
 
 struct HeldOutOptions {
@@ -67,6 +71,9 @@ struct HeldOutOptions {
 /// Draws points uniformly in the free space of the volume's boxes and traces them. Empty where no free point was found.
 [[nodiscard]] HeldOut trace_held_out(const Volume& volume, const PathTracer& paths, const LightEvidence& light,
                                      const HeldOutOptions& options);
+
+/// How far a cache is off at held-out points.
+void trace_bias(HeldOut& held_out, const PathTracer& paths, const SurfaceCache& cache, const BiasOptions& options);
 
 /// storage_error: root mean square over the sphere of the irradiance that rounding changed, per probe (lux); 0 if none.
 [[nodiscard]] ErrorReport measure_error(const Volume& volume, const HeldOut& reference, double storage_error);

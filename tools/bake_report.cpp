@@ -26,8 +26,11 @@ json error_json(const BakeResult& result) {
         error["relrmse"] = nullptr;
         error["interval"] = nullptr;
         error["not_measured"] = result.no_error_because;
-        error["parts"] = {
-            {"noise", to_json(result.noise)}, {"bands", nullptr}, {"interpolation", nullptr}, {"storage", nullptr}};
+        error["parts"] = {{"noise", to_json(result.noise)},
+                          {"bands", nullptr},
+                          {"interpolation", nullptr},
+                          {"storage", nullptr},
+                          {"bias", nullptr}};
         return error;
     }
     const ErrorReport& measured = *result.error;
@@ -36,7 +39,8 @@ json error_json(const BakeResult& result) {
     error["parts"] = {{"noise", to_json(measured.noise)},
                       {"bands", to_json(measured.bands)},
                       {"interpolation", to_json(measured.interpolation)},
-                      {"storage", to_json(measured.storage)}};
+                      {"storage", to_json(measured.storage)},
+                      {"bias", measured.bias ? to_json(*measured.bias) : json(nullptr)}};
     error["points"] = measured.points;
     error["normals"] = measured.normals;
     error["p50"] = measured.p50;
@@ -105,6 +109,7 @@ void print_result(const Messages& messages, const BakePlan& plan, const BakeResu
         messages.line(fmt::format("           noise {}", with_interval(error.noise)));
         messages.line(fmt::format("           bands {}", with_interval(error.bands)));
         messages.line(fmt::format("           interpolation {}", with_interval(error.interpolation)));
+        if (error.bias) messages.line(fmt::format("           bias {}", with_interval(*error.bias)));
         messages.line(fmt::format("           storage {}", percent(error.storage.relrmse)));
         messages.line(fmt::format("           half of all values are within {}, 95 % within {}, 99 % within {}",
                                   percent(error.p50), percent(error.p95), percent(error.p99)));
