@@ -379,23 +379,27 @@ void PathTracer::gather_cached(glm::vec3 point, std::uint64_t key, std::span<con
         }
     }
 
-    // All rays first: what is then read at random places of memory is independent and can be waited for together.
+    // Step by step for all rays, because what is read at random places of memory is then waited for together.
     const float share = 1 / (static_cast<float>(count) * uniform_sphere_pdf);
     const glm::mat3 rotation = random_rotation(mix_bits(key, turning));
     std::vector<Hit> hits;
     hits.reserve(count);
     counts.rays += count;
     for (const glm::vec3& direction : even) hits.push_back(tracer_->closest_hit(point, rotation * direction));
+    std::vector<const glm::vec3*> known(count, nullptr);
     for (std::uint32_t i = 0; i < count; ++i) {
         const glm::vec3 direction = rotation * even[i];
-        const glm::vec3* known = nullptr;
         if (!hits[i].found()) {
-            known = &sky.along(direction);
+            known[i] = &sky.along(direction);
         } else if (only_reflects(hits[i])) {
-            known = rays.cache->look_up(*tracer_, hits[i], point, direction, counts);
+            known[i] = rays.cache->look_up(*tracer_, hits[i], point, direction, counts);
         }
-        if (known != nullptr) {
-            add({direction, *known}, share, out, counts);
+    }
+    out.reserve(out.size() + count);
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const glm::vec3 direction = rotation * even[i];
+        if (known[i] != nullptr) {
+            out.push_back({direction, share * *known[i]});
         } else {
             Dimensions dimensions(key, i);
             add({direction,
