@@ -211,7 +211,7 @@ CacheOptions cache_options(const BakePlan& plan, const Scene& scene, const BakeO
 
 HeldOutOptions held_out_options(const BakePlan& plan, const BakeOptions& options) {
     HeldOutOptions result;
-    const double rays = reference_share * static_cast<double>(plan.points.size()) * plan.samples / 2;
+    const double rays = reference_share * plan.paths_for_gathers * static_cast<double>(plan.points.size()) / 2;
     result.points = std::clamp<std::size_t>(plan.points.size() / 16, 32, 256);
     result.samples = static_cast<std::uint32_t>(
         std::max(rays / static_cast<double>(result.points), static_cast<double>(std::min(plan.samples, 256U))));
@@ -290,11 +290,14 @@ BakePlan plan_bake(const PathTracer& paths, const BakeOptions& options) {
     }
     Cost cost =
         measure_cost(paths, plan.points, options.samples.value_or(least_default_samples), options.seed, pilot);
+    double paths_per_ray = 1;
     if (plan.method == Method::cache && cost.rays > 0) {
         const double rays = 1 + 1.0 / GatherRays{}.rays_per_light_sample;
+        paths_per_ray = std::min(1.0, rays / cost.rays);
         cost = {rays, cost.seconds * rays / cost.rays};
     }
     choose_samples(plan, options, cost);
+    plan.paths_for_gathers = paths_per_ray * plan.samples;
     plan.cache = cache_options(plan, scene, options);
     for (LeftOut& item : unused_estimators(paths)) plan.left_out.push_back(std::move(item));
     const std::size_t probes = plan.placement.valid + plan.placement.moved + plan.placement.invalid;
@@ -354,6 +357,17 @@ BakeResult run_bake(const PathTracer& paths, const BakePlan& plan, const BakeOpt
         result.counts += result.cache->counts;
         result.stages.push_back(
             {"cache", watch.seconds(), result.cache->counts.rays + result.cache->counts.shadow_rays});
+    }
+    if (cache && !held_out.points.empty()) {
+        const Stopwatch watch;
+        if (progress) progress("bias", 0, 0);
+        BiasOptions bias_options;
+        bias_options.samples = std::max(1U, held_out_options(plan, options).samples / 2);
+        bias_options.seed = mix_bits(options.seed, 10);
+        trace_bias(held_out, paths, *cache, bias_options);
+        result.counts += held_out.bias->counts;
+        result.stages.push_back(
+            {"bias", watch.seconds(), held_out.bias->counts.rays + held_out.bias->counts.shadow_rays});
     }
     double seconds = 0;
     Stopwatch setup;

@@ -53,6 +53,7 @@ struct BakePlan {
     std::vector<std::size_t> slots;  // probes to gather
     std::vector<glm::vec3> points;   // where, relative to Scene::origin
     std::uint32_t samples = 0;       // per probe
+    double paths_for_gathers = 0;    // so many paths cost what the gather of a probe does
     Method method = Method::path;    // paths where few probes make a cache not worth its while
     CacheOptions cache;
     std::string why_spacing;

@@ -25,6 +25,7 @@ struct PointSums {
     double interpolation = 0;
     double storage = 0;
     double cross = 0;
+    double bias = 0;
 };
 
 double component_sum(glm::dvec3 v) {
@@ -132,6 +133,13 @@ HeldOut trace_held_out(const Volume& volume, const PathTracer& paths, const Ligh
     return held_out;
 }
 
+void trace_bias(HeldOut& held_out, const PathTracer& paths, const SurfaceCache& cache, const BiasOptions& options) {
+    std::vector<glm::vec3> relative;
+    for (const glm::dvec3& point : held_out.points) relative.emplace_back(point - paths.tracer().scene().origin);
+    held_out.bias = measure_bias(paths, cache, relative, even_normals(), options);
+    held_out.counts += held_out.bias->counts;
+}
+
 ErrorReport measure_error(const Volume& volume, const HeldOut& reference, const Volume* rounded_from,
                           const SampleOptions& look_up) {
     ErrorReport report;
@@ -171,6 +179,10 @@ ErrorReport measure_error(const Volume& volume, const HeldOut& reference, const 
                 component_sum((ours - truncated_a) * (truncated_b - b) + (ours - truncated_b) * (truncated_a - a));
             sum.storage += component_sum(rounding * rounding);
             sum.interpolation += component_sum((truncated_a - ours) * (truncated_b - ours));
+            if (reference.bias) {
+                const std::size_t index = i * normals.size() + k;
+                sum.bias += component_sum(reference.bias->a[index] * reference.bias->b[index]);
+            }
             const glm::dvec3 mean = 0.5 * (a + b);
             mean_irradiance[i] += component_sum(mean) / (3.0 * static_cast<double>(normals.size()));
             for (int c = 0; c < 3; ++c) differences[i].push_back(std::abs(ours[c] - mean[c]));
@@ -182,7 +194,7 @@ ErrorReport measure_error(const Volume& volume, const HeldOut& reference, const 
             sum.noise += weight * weight * irradiance_variance(errors, volume.bands);
         }
         sum.noise *= static_cast<double>(normals.size());
-        sum.interpolation -= sum.noise + sum.storage;
+        sum.interpolation -= sum.noise + sum.storage + sum.bias;
     });
 
     report.total = summarise(sums, &PointSums::total);
@@ -191,6 +203,7 @@ ErrorReport measure_error(const Volume& volume, const HeldOut& reference, const 
     report.interpolation = summarise(sums, &PointSums::interpolation);
     report.storage = summarise(sums, &PointSums::storage);
     report.cross = summarise(sums, &PointSums::cross);
+    if (reference.bias) report.bias = summarise(sums, &PointSums::bias);
 
     std::vector<double> sorted = mean_irradiance;
     const double floor = 0.01 * percentile(sorted, 0.5);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "probes/cache_bias.h"
 #include "probes/gather.h"
 #include "probes/placement.h"
 #include "probes/sampler.h"
@@ -21,10 +22,11 @@
 ///     bands          (A - A_sh)(B - B_sh)             A_sh: irradiance of the truncated SH at x
 ///     noise          sum_c w_c^2 sum_i A_l^2 var_i / (4 pi)   corners c with weights w_c; exact mean over all normals
 ///     storage        (E_vol - E_float)^2                E_float: the same look-up before its numbers were rounded
-///     interpolation  (A_sh - E_vol)(B_sh - E_vol) - noise - storage
+///     bias           (C_a - A')(C_b - B')               with a surface cache: cached minus true at x (cache_bias.h)
+///     interpolation  (A_sh - E_vol)(B_sh - E_vol) - noise - storage - bias
 ///     cross          (E_vol - A_sh)(B_sh - B) + (E_vol - B_sh)(A_sh - A), what bands and the rest have in common
 ///
-/// total = bands + noise + storage + interpolation + cross, exactly.
+/// total = bands + noise + storage + bias + interpolation + cross, exactly.
 ///
 /// Points are the sampling unit: 95 % intervals are percentiles of 1,000 resamplings of points with replacement.
 namespace lightgrid {
@@ -45,6 +47,7 @@ struct ErrorReport {
     std::size_t points = 0;
     std::size_t normals = 0;
     ErrorPart total, noise, bands, interpolation, storage, cross;
+    std::optional<ErrorPart> bias;  // of a surface cache
     double p50 = 0, p95 = 0, p99 = 0;  // of |dE| / max(mean E at x, 1 % of the level's median E)
     struct Worst {
         glm::dvec3 position{0};
@@ -59,6 +62,7 @@ struct HeldOut {
     Gather a;                        // two independent halves
     Gather b;
     PathCounts counts;
+    std::optional<CacheBias> bias;  // of the cache that lit the volume, at the same points and normals
 };
 
 struct HeldOutOptions {
@@ -71,6 +75,9 @@ struct HeldOutOptions {
 /// Draws points uniformly in the free space of the volume's boxes and traces them. Empty where no free point was found.
 [[nodiscard]] HeldOut trace_held_out(const Volume& volume, const PathTracer& paths, const LightEvidence& light,
                                      const HeldOutOptions& options);
+
+/// How far a cache is off at held-out points.
+void trace_bias(HeldOut& held_out, const PathTracer& paths, const SurfaceCache& cache, const BiasOptions& options);
 
 /// rounded_from  the volume before its numbers were rounded for storage; none: they were not, and storage is 0
 /// look_up       how the volume is read

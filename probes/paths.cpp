@@ -261,22 +261,44 @@ glm::vec3 PathTracer::direct_light(const Surface& surface, glm::vec3 normal, std
     return sum / static_cast<float>(count);
 }
 
-glm::vec3 PathTracer::radiance_along(glm::vec3 origin, glm::vec3 direction, Hit hit, Dimensions& dimensions,
-                                     PathCounts& counts, const GatherRays& rays, float samples_per_ray) const {
+glm::vec3 PathTracer::reflected_radiance(const Hit& hit, glm::vec3 direction, std::uint64_t key, std::uint32_t i,
+                                         PathCounts& counts) const {
+    const Surface surface = tracer_->surface(hit, direction);
+    const SurfacePoint point = surface_at(tracer_->scene(), *surface.mesh, hit.id.triangle, hit.barycentric);
+    const glm::vec3 reflected = reflected_share(point);
+    if (reflected == glm::vec3(0)) return glm::vec3(0);
+    Dimensions dimensions(key, i);
+    const Vertex vertex{surface.position, &surface, surface.front ? surface.normal : -surface.normal};
+    glm::vec3 radiance(0);
+    if (use_.lights) radiance += from_lights(vertex, dimensions, counts).radiance;
+    if (use_.emitters) radiance += from_emitters(vertex, dimensions, counts).radiance;
+    if (use_.environment) radiance += from_environment(vertex, dimensions, counts).radiance;
+    const glm::vec3 onwards = cosine_direction(vertex.normal, dimensions.next2());
+    const float pdf = vertex.pdf(onwards);
+    if (pdf > 0) {
+        const glm::vec3 origin = surface.leave(onwards);
+        ++counts.rays;
+        radiance += radiance_along(origin, onwards, tracer_->closest_hit(origin, onwards), {vertex.receiver(), pdf},
+                                   dimensions, counts, {});
+    }
+    return reflected * radiance;
+}
+
+glm::vec3 PathTracer::radiance_along(glm::vec3 origin, glm::vec3 direction, Hit hit, Scattering scattering,
+                                     Dimensions& dimensions, PathCounts& counts, const GatherRays& rays) const {
     const Scene& scene = tracer_->scene();
     glm::vec3 radiance(0);
     glm::vec3 throughput(1);
-    Receiver scattered_at{origin, {}};         // where the path last chose a direction,
-    float scattered_pdf = uniform_sphere_pdf;  // and how densely
     for (std::uint32_t bounce = 0;;) {
         if (!hit.found()) {
             const bool from_probe = rays.cache != nullptr && bounce == 0;
             return radiance + (from_probe ? throughput * rays.cache->sky().along(direction)
-                                          : sky_along(throughput, direction, scattered_pdf));
+                                          : sky_along(throughput, direction, scattering.pdf));
         }
         const Surface surface = tracer_->surface(hit, direction);
         const SurfacePoint point = surface_at(scene, *surface.mesh, hit.id.triangle, hit.barycentric);
-        radiance += emission_of(throughput, hit, surface, point, scattered_at, scattered_pdf, samples_per_ray);
+        radiance +=
+            emission_of(throughput, hit, surface, point, scattering.at, scattering.pdf, scattering.samples_per_ray);
 
         // Straight on, or reflected.
         const glm::vec3 passed = passed_share(point);
@@ -312,10 +334,8 @@ glm::vec3 PathTracer::radiance_along(glm::vec3 origin, glm::vec3 direction, Hit 
 
         direction = cosine_direction(vertex.normal, dimensions.next2());
         origin = surface.leave(direction);
-        scattered_at = vertex.receiver();
-        scattered_pdf = vertex.pdf(direction);
-        samples_per_ray = 1;
-        if (!(scattered_pdf > 0)) return radiance;
+        scattering = {vertex.receiver(), vertex.pdf(direction)};
+        if (!(scattering.pdf > 0)) return radiance;
         ++counts.rays;
         hit = tracer_->closest_hit(origin, direction);
     }
@@ -334,8 +354,9 @@ void PathTracer::gather(glm::vec3 point, std::uint64_t key, std::span<const glm:
         if (use_.environment) add(from_environment(probe, dimensions, counts), share, out, counts);
         ++counts.rays;
         const Hit hit = tracer_->closest_hit(point, direction);
-        add({direction, radiance_along(point, direction, hit, dimensions, counts, rays, 1)}, share / uniform_sphere_pdf,
-            out, counts);
+        add({direction,
+             radiance_along(point, direction, hit, {{point, {}}, uniform_sphere_pdf}, dimensions, counts, rays)},
+            share / uniform_sphere_pdf, out, counts);
     }
 }
 
@@ -358,26 +379,32 @@ void PathTracer::gather_cached(glm::vec3 point, std::uint64_t key, std::span<con
         }
     }
 
-    // All rays first: what is then read at random places of memory is independent and can be waited for together.
+    // Step by step for all rays, because what is read at random places of memory is then waited for together.
     const float share = 1 / (static_cast<float>(count) * uniform_sphere_pdf);
     const glm::mat3 rotation = random_rotation(mix_bits(key, turning));
     std::vector<Hit> hits;
     hits.reserve(count);
     counts.rays += count;
     for (const glm::vec3& direction : even) hits.push_back(tracer_->closest_hit(point, rotation * direction));
+    std::vector<const glm::vec3*> known(count, nullptr);
     for (std::uint32_t i = 0; i < count; ++i) {
         const glm::vec3 direction = rotation * even[i];
-        const glm::vec3* known = nullptr;
         if (!hits[i].found()) {
-            known = &sky.along(direction);
+            known[i] = &sky.along(direction);
         } else if (only_reflects(hits[i])) {
-            known = rays.cache->look_up(*tracer_, hits[i], point, direction, counts);
+            known[i] = rays.cache->look_up(*tracer_, hits[i], point, direction, counts);
         }
-        if (known != nullptr) {
-            add({direction, *known}, share, out, counts);
+    }
+    out.reserve(out.size() + count);
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const glm::vec3 direction = rotation * even[i];
+        if (known[i] != nullptr) {
+            out.push_back({direction, share * *known[i]});
         } else {
             Dimensions dimensions(key, i);
-            add({direction, radiance_along(point, direction, hits[i], dimensions, counts, rays, 1 / rays_per_sample)},
+            add({direction,
+                 radiance_along(point, direction, hits[i], {{point, {}}, uniform_sphere_pdf, 1 / rays_per_sample},
+                                dimensions, counts, rays)},
                 share, out, counts);
         }
     }

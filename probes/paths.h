@@ -105,6 +105,11 @@ class PathTracer {
                                          std::uint32_t count, float rays_per_sample, const SkyLight& sky,
                                          PathCounts& counts) const;
 
+    /// What the side that a ray met reflects towards it, estimated by the i-th path of a key: unbiased, the truth that a
+    /// cache is measured against.
+    [[nodiscard]] glm::vec3 reflected_radiance(const Hit& hit, glm::vec3 direction, std::uint64_t key, std::uint32_t i,
+                                               PathCounts& counts) const;
+
     /// The surface neither emits nor lets light pass: all there is to it is what it reflects.
     [[nodiscard]] bool only_reflects(const Hit& hit) const noexcept;
 
@@ -121,8 +126,14 @@ class PathTracer {
     [[nodiscard]] LightSample from_environment(const Vertex& vertex, Dimensions& dimensions, PathCounts& counts) const;
     [[nodiscard]] LightSample from_sky(const Vertex& vertex, const SkyLight::Sample& sample, PathCounts& counts) const;
     [[nodiscard]] LightSample from_lights(const Vertex& vertex, Dimensions& dimensions, PathCounts& counts) const;
-    [[nodiscard]] glm::vec3 radiance_along(glm::vec3 origin, glm::vec3 direction, Hit hit, Dimensions& dimensions,
-                                           PathCounts& counts, const GatherRays& rays, float samples_per_ray) const;
+    /// Where a path last chose a direction, how densely, and how many samples of emitters were taken there for it.
+    struct Scattering {
+        Receiver at;
+        float pdf = 0;
+        float samples_per_ray = 1;
+    };
+    [[nodiscard]] glm::vec3 radiance_along(glm::vec3 origin, glm::vec3 direction, Hit hit, Scattering scattering,
+                                           Dimensions& dimensions, PathCounts& counts, const GatherRays& rays) const;
     // What reaches the start of a ray, `share` of it let through: from the sky, weighted against one sample of the kind
     // above, or from an emitting surface that it met, against samples_per_ray samples.
     [[nodiscard]] glm::vec3 sky_along(glm::vec3 share, glm::vec3 direction, float pdf) const;

@@ -13,11 +13,11 @@
 namespace lightgrid {
 
 struct CacheOptions {
-    float width = 0.25F;                 // metres, of patches: half a spacing of probes or so
-    std::uint32_t rays_per_probe = 16;   // that find the surfaces
-    std::uint32_t rays_per_sample = 16;  // by which they light each other
-    std::uint32_t light_samples = 16;    // of emitters, environment and punctual lights, per sample
-    double accuracy = 1e-3;              // of the solution, relative
+    float width = 0.25F;                // metres, of patches: half a spacing of probes or so
+    std::uint32_t rays_per_probe = 16;  // that find the surfaces
+    std::uint32_t rays_per_sample = 8;  // by which they light each other
+    std::uint32_t light_samples = 16;   // of emitters, environment and punctual lights, per sample
+    double accuracy = 1e-3;             // of the solution, relative
     std::uint64_t seed = 0;
 };
 

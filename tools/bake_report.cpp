@@ -54,12 +54,13 @@ json error_json(const BakeResult& result) {
     error["parts"] = {{"noise", to_json(measured.noise)},
                       {"bands", to_json(measured.bands)},
                       {"interpolation", to_json(measured.interpolation)},
-                      {"bias", nullptr},
+                      {"bias", measured.bias ? to_json(*measured.bias) : json(nullptr)},
                       {"storage", to_json(measured.storage)}};
     error["squares"] = {{"noise", square(measured.noise)},
                         {"bands", square(measured.bands)},
                         {"interpolation", square(measured.interpolation)},
                         {"storage", square(measured.storage)},
+                        {"bias", measured.bias ? square(*measured.bias) : 0},
                         {"cross", square(measured.cross)},
                         {"total", square(measured.total)}};
     error["points"] = measured.points;
@@ -211,13 +212,14 @@ void print_result(const Messages& messages, const BakePlan& plan, const BakeResu
         messages.line(fmt::format("           noise {}", with_interval(error.noise)));
         messages.line(fmt::format("           bands {}", with_interval(error.bands)));
         messages.line(fmt::format("           interpolation {}", with_interval(error.interpolation)));
+        if (error.bias) messages.line(fmt::format("           bias {}", with_interval(*error.bias)));
         messages.line(fmt::format("           storage {}", percent(error.storage.relrmse)));
         const auto squared = [](const ErrorPart& part) { return 1e4 * square(part); };
         messages.line(fmt::format(
-            "           in squares: {:.3g} noise + {:.3g} bands + {:.3g} interpolation + {:.3g} storage {} {:.3g} "
-            "cross "
-            "= {:.3g} %^2",
-            squared(error.noise), squared(error.bands), squared(error.interpolation), squared(error.storage),
+            "           in squares: {:.3g} noise + {:.3g} bands + {:.3g} interpolation + {:.3g} bias + {:.3g} storage "
+            "{} {:.3g} cross = {:.3g} %^2",
+            squared(error.noise), squared(error.bands), squared(error.interpolation),
+            squared(error.bias.value_or(ErrorPart{})), squared(error.storage),
             error.cross.relrmse < 0 ? "-" : "+", std::abs(squared(error.cross)), squared(error.total)));
         messages.line(fmt::format("           half of all values are within {}, 95 % within {}, 99 % within {}",
                                   percent(error.p50), percent(error.p95), percent(error.p99)));

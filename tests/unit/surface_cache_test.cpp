@@ -3,6 +3,7 @@
 #include "probes/surface_cache.h"
 
 #include "core/parallel.h"
+#include "probes/cache_bias.h"
 #include "probes/gather.h"
 #include "tests/polygon_light.h"
 #include "tests/scene_builder.h"
@@ -32,6 +33,8 @@ struct Level {
         : scene(std::move(made)), sky(under), tracer(scene), paths(tracer, sky) {}
 };
 
+const std::vector<glm::vec3> some_normals = {{0, 1, 0}, {0, -1, 0}, glm::normalize(glm::vec3(1, 2, -2))};
+
 std::vector<glm::vec3> lattice(glm::vec3 min, glm::vec3 max, glm::ivec3 counts) {
     std::vector<glm::vec3> points;
     for (int z = 0; z < counts.z; ++z) {
@@ -47,7 +50,7 @@ std::vector<glm::vec3> lattice(glm::vec3 min, glm::vec3 max, glm::ivec3 counts) 
 GatherOptions options_for(const SurfaceCache& cache, std::uint32_t samples) {
     GatherOptions options;
     options.samples = samples;
-    options.normals = {{0, 1, 0}, {0, -1, 0}, glm::normalize(glm::vec3(1, 2, -2))};
+    options.normals = some_normals;
     options.rays.cache = &cache;
     return options;
 }
@@ -193,6 +196,56 @@ TEST(SurfaceCache, AgreesWithPathsInAFurnishedRoom) {
     }
     EXPECT_GT(cache.made().generations, 1);
     EXPECT_EQ(cache.made().counts.dropped, 0U);
+}
+
+TEST(SurfaceCache, BiasIsMeasuredAsItIs) {
+    // A cache of too few rays on patches as large as walls, against the difference of two long gathers.
+    const Level level(furnished_room(), Environment::from_image(sunny_image()));
+    const auto points = lattice({-2.9F, 0.1F, -1.9F}, {2.9F, 2.8F, 1.9F}, {5, 3, 4});
+    CacheOptions options;
+    options.width = 2;
+    options.light_samples = 1;
+    const SurfaceCache cache = build_surface_cache(level.paths, points, options);
+    GatherOptions gather_options = options_for(cache, 16384);
+    gather_options.normals = some_normals;
+    const Gather cached = gather(level.paths, points, gather_options);
+    gather_options.rays = {};
+    gather_options.seed = 1;
+    const Gather exact = gather(level.paths, points, gather_options);
+    double actual = 0;
+    double noise = 0;
+    double power = 0;
+    for (std::size_t i = 0; i < exact.irradiance.size(); ++i) {
+        const glm::dvec3 difference = cached.irradiance[i].mean - exact.irradiance[i].mean;
+        actual += glm::dot(difference, difference);
+        for (const Estimate& e : {cached.irradiance[i], exact.irradiance[i]}) noise += glm::dot(e.error, e.error);
+        power += glm::dot(exact.irradiance[i].mean, exact.irradiance[i].mean);
+    }
+    actual -= noise;
+    const CacheBias bias = measure_bias(level.paths, cache, points, some_normals, {2048, 5});
+    double measured = 0;
+    double apart = 0;
+    for (std::size_t i = 0; i < bias.a.size(); ++i) {
+        measured += glm::dot(bias.a[i], bias.b[i]);
+        apart += glm::dot(bias.a[i] - bias.b[i], bias.a[i] - bias.b[i]);
+    }
+    fmt::print("bias {:.3f} %, measured {:.3f} %, halves apart {:.3f} %\n", 100 * std::sqrt(actual / power),
+               100 * std::sqrt(measured / power), 100 * std::sqrt(apart / power));
+    EXPECT_GT(actual, 0.02 * 0.02 * power) << "a cache this coarse is off by percents";
+    EXPECT_NEAR(std::sqrt(measured), std::sqrt(actual), 0.1 * std::sqrt(actual));
+    EXPECT_EQ(bias.counts.dropped, 0U);
+}
+
+TEST(SurfaceCache, BiasOfAFurnaceIsItsNoise) {
+    // With emission and reflection the same everywhere, patches average nothing away.
+    const Level level(furnace(0.5F));
+    const auto points = lattice({-0.9F, -0.4F, -2.9F}, {0.9F, 0.9F, 1.9F}, {4, 4, 8});
+    const SurfaceCache cache = build_surface_cache(level.paths, points, CacheOptions());
+    const CacheBias bias = measure_bias(level.paths, cache, points, some_normals, {256, 5});
+    double measured = 0;
+    for (std::size_t i = 0; i < bias.a.size(); ++i) measured += glm::dot(bias.a[i], bias.b[i]);
+    const double power = 3 * static_cast<double>(bias.a.size()) * 4 * pi * pi;
+    EXPECT_LT(std::sqrt(std::abs(measured) / power), 0.01) << "2,048 samples, shared by all";
 }
 
 TEST(SurfaceCache, AWallOnAFloorKeepsLightOnItsSide) {
