@@ -251,34 +251,39 @@ std::optional<glm::vec3> offset_into_view(const Tracer& tracer, const Stuck& pro
     return {};
 }
 
-/// Lattice coordinates of every slot of one grid, and back.
-struct LatticeIndex {
-    const Grid* grid;
-    std::vector<std::int64_t> slot_of;  // x fastest; -1: no brick holds it
+/// The slots that hold a grid's probes, and who is beside whom.
+class Lattice {
+  public:
+    Lattice(const Volume& volume, std::size_t grid) : volume_(&volume), table_(volume), grid_(grid) {}
 
-    LatticeIndex(const Volume& volume, int grid_index) : grid(&volume.grids[grid_index]) {
-        slot_of.assign(static_cast<std::size_t>(grid->counts.x) * grid->counts.y * grid->counts.z, -1);
-        for (std::size_t b = 0; b < volume.bricks.size(); ++b) {
-            if (volume.bricks[b].grid != grid_index) continue;
-            for (int p = 0; p < probes_per_brick; ++p) {
-                const glm::ivec3 local(p % brick_size, p / brick_size % brick_size, p / (brick_size * brick_size));
-                const glm::ivec3 probe = volume.bricks[b].origin + local;
-                if (contains(probe)) slot_of[index(probe)] = static_cast<std::int64_t>(b) * probes_per_brick + p;
-            }
+    [[nodiscard]] const Grid& grid() const { return volume_->grids[grid_]; }
+    /// In the order of the volume's bricks.
+    [[nodiscard]] std::vector<std::size_t> slots() const {
+        std::vector<std::size_t> slots;
+        for (std::size_t slot = 0; slot < volume_->list_start(); ++slot) {
+            const bool here = static_cast<std::size_t>(volume_->bricks[slot / probes_per_brick].grid) == grid_;
+            if (here && volume_->states[slot] != ProbeState::absent) slots.push_back(slot);
         }
+        return slots;
     }
-    [[nodiscard]] bool contains(glm::ivec3 p) const {
-        return glm::all(glm::greaterThanEqual(p, glm::ivec3(0))) && glm::all(glm::lessThan(p, grid->counts));
+    /// All that share a cell with the probe in `slot`, and are stored.
+    [[nodiscard]] std::vector<std::size_t> neighbours(std::size_t slot) const {
+        std::vector<std::size_t> found;
+        const glm::ivec3 probe = lattice_index(*volume_, slot);
+        for (int k = 0; k < 27; ++k) {
+            const glm::ivec3 other = probe + glm::ivec3(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
+            const bool inside =
+                glm::all(glm::greaterThanEqual(other, glm::ivec3(0))) && glm::all(glm::lessThan(other, grid().counts));
+            const std::ptrdiff_t at = k != 13 && inside ? table_.slot(grid_, other) : SlotTable::none;
+            if (at != SlotTable::none) found.push_back(static_cast<std::size_t>(at));
+        }
+        return found;
     }
-    [[nodiscard]] std::size_t index(glm::ivec3 p) const {
-        return (static_cast<std::size_t>(p.z) * grid->counts.y + p.y) * grid->counts.x + p.x;
-    }
-    [[nodiscard]] std::int64_t slot(glm::ivec3 p) const { return contains(p) ? slot_of[index(p)] : -1; }
-    [[nodiscard]] glm::ivec3 probe(std::size_t i) const {
-        const auto x = static_cast<std::size_t>(grid->counts.x);
-        const auto y = static_cast<std::size_t>(grid->counts.y);
-        return {i % x, i / x % y, i / (x * y)};
-    }
+
+  private:
+    const Volume* volume_;
+    SlotTable table_;
+    std::size_t grid_;
 };
 
 /// A probe on a face of its grid's box, and all that it shares a cell with.
@@ -289,17 +294,12 @@ struct BorderProbe {
 
 std::vector<BorderProbe> border_probes(const Volume& volume) {
     std::vector<BorderProbe> border;
-    for (int g = 0; g < static_cast<int>(volume.grids.size()); ++g) {
-        const LatticeIndex lattice(volume, g);
-        for (std::size_t i = 0; i < lattice.slot_of.size(); ++i) {
-            const glm::ivec3 probe = lattice.probe(i);
-            const bool on_face =
-                glm::any(glm::equal(probe, glm::ivec3(0))) || glm::any(glm::equal(probe, lattice.grid->counts - 1));
-            if (!on_face || lattice.slot_of[i] < 0) continue;
-            BorderProbe& found = border.emplace_back(BorderProbe{static_cast<std::size_t>(lattice.slot_of[i]), {}});
-            for (int k = 0; k < 27; ++k) {
-                const std::int64_t slot = lattice.slot(probe + glm::ivec3(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1));
-                if (k != 13 && slot >= 0) found.neighbours.push_back(static_cast<std::size_t>(slot));
+    for (std::size_t g = 0; g < volume.grids.size(); ++g) {
+        const Lattice lattice(volume, g);
+        for (const std::size_t slot : lattice.slots()) {
+            const glm::ivec3 probe = lattice_index(volume, slot);
+            if (glm::any(glm::equal(probe, glm::ivec3(0))) || glm::any(glm::equal(probe, lattice.grid().counts - 1))) {
+                border.push_back({slot, lattice.neighbours(slot)});
             }
         }
     }
@@ -312,37 +312,29 @@ struct Filling {
     std::vector<glm::vec3> coefficients, errors, axis_errors;
 };
 
-std::optional<Filling> fill_from_neighbours(const Volume& volume, const Tracer& tracer, const LatticeIndex& lattice,
-                                            std::size_t cell, const std::vector<bool>& has_light, bool through_walls) {
-    const glm::ivec3 probe = lattice.probe(cell);
-    const auto slot = static_cast<std::size_t>(lattice.slot_of[cell]);
+std::optional<Filling> fill_from_neighbours(const Volume& volume, const Tracer& tracer, const Lattice& lattice,
+                                            std::size_t slot, const std::vector<bool>& has_light, bool through_walls) {
     const glm::dvec3 origin = tracer.scene().origin;
     const glm::vec3 place(lattice_position(volume, slot) - origin);
-    const glm::dvec3 last = lattice.grid->position(lattice.grid->counts - 1);
+    const glm::dvec3 last = lattice.grid().position(lattice.grid().counts - 1);
     const auto n = static_cast<std::size_t>(volume.bands) * volume.bands;
     Filling filling{slot, std::vector<glm::vec3>(n), std::vector<glm::vec3>(n), std::vector<glm::vec3>(6)};
     float weight_sum = 0;
-    for (int z = -1; z <= 1; ++z) {
-        for (int y = -1; y <= 1; ++y) {
-            for (int x = -1; x <= 1; ++x) {
-                const std::int64_t other = lattice.slot(probe + glm::ivec3(x, y, z));
-                if (other < 0 || !has_light[static_cast<std::size_t>(other)]) continue;
-                const auto from = static_cast<std::size_t>(other);
-                const glm::dvec3 gathered_at = gather_position(volume, from);
-                const glm::vec3 neighbour(gathered_at - origin);
-                // What was moved out of the box is on the far side of what bounds the level.
-                const bool beyond = glm::any(glm::lessThan(gathered_at, lattice.grid->origin)) ||
-                                    glm::any(glm::greaterThan(gathered_at, last));
-                if (!through_walls && (beyond || !reaches(tracer, place, neighbour))) continue;
-                const float weight = 1 / glm::dot(neighbour - place, neighbour - place);
-                weight_sum += weight;
-                for (std::size_t i = 0; i < n; ++i) {
-                    filling.coefficients[i] += weight * volume.coefficients[from * n + i];
-                    filling.errors[i] += weight * volume.errors[from * n + i];
-                }
-                for (std::size_t i = 0; i < 6; ++i) filling.axis_errors[i] += weight * volume.axis_errors[from * 6 + i];
-            }
+    for (const std::size_t from : lattice.neighbours(slot)) {
+        if (!has_light[from]) continue;
+        const glm::dvec3 gathered_at = gather_position(volume, from);
+        const glm::vec3 neighbour(gathered_at - origin);
+        // What was moved out of the box is on the far side of what bounds the level.
+        const bool beyond = glm::any(glm::lessThan(gathered_at, lattice.grid().origin)) ||
+                            glm::any(glm::greaterThan(gathered_at, last));
+        if (!through_walls && (beyond || !reaches(tracer, place, neighbour))) continue;
+        const float weight = 1 / glm::dot(neighbour - place, neighbour - place);
+        weight_sum += weight;
+        for (std::size_t i = 0; i < n; ++i) {
+            filling.coefficients[i] += weight * volume.coefficients[from * n + i];
+            filling.errors[i] += weight * volume.errors[from * n + i];
         }
+        for (std::size_t i = 0; i < 6; ++i) filling.axis_errors[i] += weight * volume.axis_errors[from * 6 + i];
     }
     if (weight_sum == 0) return {};
     for (auto* values : {&filling.coefficients, &filling.errors, &filling.axis_errors}) {
@@ -488,6 +480,7 @@ PlacementCounts place_probes(Volume& volume, const Tracer& tracer, const LightEv
     });
 
     const std::vector<BorderProbe> border = border_probes(volume);
+    std::vector<std::optional<glm::vec3>> freed(border.size());
     for_each_index(border.size(), [&](std::size_t i) {
         const auto& [slot, neighbours] = border[i];
         const auto is_valid_slot = [&](std::size_t other) { return is_valid(volume.states[other]); };
@@ -495,8 +488,11 @@ PlacementCounts place_probes(Volume& volume, const Tracer& tracer, const LightEv
         Stuck probe = examine(slot);
         probe.limits = {probe.limits.min - glm::dvec3(2.0F * probe.reach),
                         probe.limits.max + glm::dvec3(2.0F * probe.reach)};
-        settle(slot, freeing_offset(tracer, probe, light));
+        freed[i] = freeing_offset(tracer, probe, light);
     });
+    for (std::size_t i = 0; i < border.size(); ++i) {
+        if (freed[i]) settle(border[i].slot, freed[i]);
+    }
     // Through the outer wall: those on faces by what there is in their cells, then those on edges and in corners, which
     // have more of their cells outside, after their neighbours.
     for (int round = 0; round < 3; ++round) {
@@ -535,13 +531,10 @@ std::size_t fill_invalid(Volume& volume, const Tracer& tracer) {
     std::size_t filled = 0;
     std::vector<bool> has_light(volume.slots());
     for (std::size_t i = 0; i < volume.slots(); ++i) has_light[i] = is_valid(volume.states[i]);
-    for (int grid = 0; grid < static_cast<int>(volume.grids.size()); ++grid) {
-        const LatticeIndex lattice(volume, grid);
-        std::vector<std::size_t> empty;
-        for (std::size_t cell = 0; cell < lattice.slot_of.size(); ++cell) {
-            const std::int64_t slot = lattice.slot_of[cell];
-            if (slot >= 0 && !has_light[static_cast<std::size_t>(slot)]) empty.push_back(cell);
-        }
+    for (std::size_t grid = 0; grid < volume.grids.size(); ++grid) {
+        const Lattice lattice(volume, grid);
+        std::vector<std::size_t> empty = lattice.slots();
+        std::erase_if(empty, [&](std::size_t slot) { return has_light[slot]; });
         // Ring by ring along free segments; where that stops, one ring through walls, and on.
         bool through_walls = false;
         while (!empty.empty()) {
