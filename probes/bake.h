@@ -1,10 +1,13 @@
 #pragma once
 
+#include "core/stopwatch.h"
 #include "probes/error_report.h"
 #include "probes/look_ups.h"
 #include "probes/paths.h"
 #include "probes/placement.h"
+#include "probes/steering.h"
 #include "probes/surface_cache.h"
+#include "probes/target.h"
 #include "probes/volume.h"
 
 #include <glm/glm.hpp>
@@ -26,20 +29,23 @@ enum class Method { path, cache };
 struct BakeOptions {
     PlacementOptions placement;
     std::optional<std::vector<glm::dvec3>> probes;  // a list to gather exactly where it is, instead of grids
-    int bands = 3;
-    std::optional<std::uint32_t> samples;  // gather rays per probe; none: what default_ray_budget pays for
-    Method method = Method::path;
+    std::optional<int> bands;                       // none: 3, unless the target takes more
+    Target target;
+    std::optional<Stopwatch> clock;  // with target.seconds, and never without: runs since the program began
+    Method method = Method::cache;
     std::uint64_t seed = 0;
     bool measure_error = true;      // trace held-out points and report the error, at about a quarter of the cost
     bool compare_look_ups = false;  // where the error is measured: also with fewer bands, nearest probe, half and float
     std::string environment;        // for the header: what lit the level besides its own lights
 };
 
-/// Where --samples is not given: the most, in powers of two, that trace no more rays than this (well under a minute on
-/// two cores). Counted in rays, not in seconds, so that a bake is the same on every machine.
+/// Where no target is given: no more rays than this are traced for it (well under a minute on two
+/// cores). Counted in rays,
+/// not in seconds, so that a bake is the same on every machine.
 inline constexpr double default_ray_budget = 1e8;
-inline constexpr std::uint32_t most_default_samples = 4096;
-inline constexpr std::uint32_t least_default_samples = 64;
+
+/// Of a time budget: kept for what comes after the gather.
+inline constexpr double finishing_share = 0.04;
 
 struct Stage {
     std::string name;
@@ -47,19 +53,29 @@ struct Stage {
     std::uint64_t rays = 0;
 };
 
+/// Probes that are gathered with as many rays each.
+struct Batch {
+    std::vector<std::size_t> slots;
+    std::vector<glm::vec3> points;  // relative to Scene::origin
+    std::uint32_t samples = 0;      // per probe
+};
+
 /// What will be baked, decided before the first gather.
 struct BakePlan {
-    Volume volume;                   // places and states; no light yet
-    std::vector<std::size_t> slots;  // probes to gather
-    std::vector<glm::vec3> points;   // where, relative to Scene::origin
-    std::uint32_t samples = 0;       // per probe
-    double paths_for_gathers = 0;    // so many paths cost what the gather of a probe does
-    Method method = Method::path;    // paths where few probes make a cache not worth its while
+    Volume volume;                  // places and states; no light yet
+    std::vector<Batch> batches;     // probes to gather: by level of refinement, coarsest first
+    std::vector<glm::vec3> points;  // all of them
+    std::uint32_t samples = 0;      // per probe of the first batch, in all replicates of a fixed effort
+    LightEvidence light;            // what a rough look at the level's light tells of a point
+    HeldOutOptions held_out;
+    Method method = Method::path;      // paths where few probes make a cache not worth its while
+    std::size_t first_grids = 0;       // of the volume: the others are finer ones over the same boxes
+    std::optional<Steering> steering;  // where there is a target
     CacheOptions cache;
+    double cache_seconds = 0;  // of the pilot's, for each probe
     std::string why_spacing;
     std::string why_samples;
     PlacementCounts placement;
-    double usual_light = 0;       // luminance of the mean radiance that probes get, their median; from a pilot
     double seconds_estimate = 0;  // of gather and error measurement, from a pilot
     double bytes_estimate = 0;    // of memory while baking
     std::vector<LeftOut> left_out;
@@ -78,7 +94,10 @@ struct BakeResult {
     Volume volume;
     std::optional<ErrorReport> error;  // grids only, where asked for and where any free point was found
     std::string no_error_because;      // why not
+    std::optional<bool> target_met;    // where there is a target
+    std::string verdict;               // one sentence about it
     ErrorPart noise;                   // over all probes: always known
+    std::uint32_t replicates = 0;
     std::vector<CurvePoint> curve;
     std::vector<LookUp> look_ups;  // where asked for and the error was measured
     std::vector<LeftOut> left_out;
@@ -88,10 +107,16 @@ struct BakeResult {
     std::size_t filled = 0;
 };
 
-/// stage, share done in [0, 1], rays so far in this stage. Called from any thread, one at a time.
-using Progress = std::function<void(const std::string& stage, double share, std::uint64_t rays)>;
+struct Doing {
+    std::string stage;
+    double share = 0;                  // done, in [0, 1]
+    std::uint64_t rays = 0;            // so far in this stage
+    std::optional<double> error = {};  // relRMSE of what has been gathered so far: of all that is known of it
+};
+/// Called from any thread, one at a time.
+using Progress = std::function<void(const Doing& doing)>;
 
-[[nodiscard]] BakePlan plan_bake(const PathTracer& paths, const BakeOptions& options);
+[[nodiscard]] BakePlan plan_bake(const PathTracer& paths, const BakeOptions& options, const Progress& progress = {});
 [[nodiscard]] BakeResult run_bake(const PathTracer& paths, const BakePlan& plan, const BakeOptions& options,
                                   const Progress& progress = {});
 

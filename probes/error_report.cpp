@@ -20,6 +20,7 @@ constexpr std::size_t worst_listed = 5;
 struct PointSums {
     double reference = 0;  // A B
     double total = 0;
+    double without_bands = 0;
     double noise = 0;
     double bands = 0;
     double interpolation = 0;
@@ -36,19 +37,6 @@ std::vector<glm::vec3> even_normals() {
     std::vector<glm::vec3> normals;
     for (std::uint32_t i = 0; i < normals_per_point; ++i) normals.push_back(sphere_direction(sobol_point(i, 0)));
     return normals;
-}
-
-/// Mean over all normals of the variance of irradiance that independent errors of the coefficients leave.
-double irradiance_variance(std::span<const glm::vec3> errors, int bands) {
-    double variance = 0;
-    for (int l = 0; l < bands; ++l) {
-        const double lobe = cosine_lobe(l);
-        for (int i = l * l; i < (l + 1) * (l + 1); ++i) {
-            const glm::dvec3 error(errors[static_cast<std::size_t>(i)]);
-            variance += lobe * lobe * component_sum(error * error);
-        }
-    }
-    return variance / (4 * glm::pi<double>());
 }
 
 double signed_root(double square) {
@@ -89,12 +77,24 @@ double percentile(std::vector<double>& values, double share) {
 
 }  // namespace
 
+double mean_square_irradiance(std::span<const glm::vec3> sh) {
+    double sum = 0;
+    for (int l = 0; sh_size(l) < static_cast<int>(sh.size()); ++l) {
+        const double lobe = cosine_lobe(l);
+        for (int i = sh_size(l); i < sh_size(l + 1); ++i) {
+            const glm::dvec3 value(sh[static_cast<std::size_t>(i)]);
+            sum += lobe * lobe * component_sum(value * value);
+        }
+    }
+    return sum / (4 * glm::pi<double>());
+}
+
 HeldOut trace_held_out(const Volume& volume, const PathTracer& paths, const LightEvidence& light,
                        const HeldOutOptions& options) {
     const Tracer& tracer = paths.tracer();
     const glm::dvec3 origin = tracer.scene().origin;
     std::vector<double> sizes;
-    for (const Grid& grid : volume.grids) {
+    for (const Grid& grid : std::span(volume.grids).first(std::min(options.grids, volume.grids.size()))) {
         const glm::dvec3 size = glm::dvec3(grid.counts - 1) * grid.spacing;
         sizes.push_back(std::max(size.x * size.y * size.z, 1e-300));
     }
@@ -131,6 +131,42 @@ HeldOut trace_held_out(const Volume& volume, const PathTracer& paths, const Ligh
     gather_options.seed = mix_bits(options.seed, 4);
     held_out.b = gather(paths, relative, gather_options, &held_out.counts);
     return held_out;
+}
+
+std::vector<double> measure_bands(const PathTracer& paths, const std::vector<glm::vec3>& points, int most_bands,
+                                  std::uint32_t samples, const GatherRays& rays, std::uint64_t seed,
+                                  PathCounts& counts) {
+    GatherOptions options;
+    options.bands = most_bands;
+    options.samples = samples;
+    options.normals = even_normals();
+    options.rays = rays;
+    options.seed = mix_bits(seed, 0);
+    const Gather a = gather(paths, points, options, &counts);
+    options.seed = mix_bits(seed, 1);
+    const Gather b = gather(paths, points, options, &counts);
+    std::vector<double> squares(static_cast<std::size_t>(most_bands));
+    double reference = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        std::vector<glm::vec3> sh_a;
+        std::vector<glm::vec3> sh_b;
+        for (const Estimate& estimate : a.sh(i)) sh_a.emplace_back(estimate.mean);
+        for (const Estimate& estimate : b.sh(i)) sh_b.emplace_back(estimate.mean);
+        for (std::size_t k = 0; k < options.normals.size(); ++k) {
+            const std::size_t index = i * options.normals.size() + k;
+            reference += component_sum(a.irradiance[index].mean * b.irradiance[index].mean);
+            for (int bands = 1; bands <= most_bands; ++bands) {
+                const auto left = [&](const std::vector<glm::vec3>& sh, const Estimate& exact) {
+                    const auto kept = std::span(sh).first(static_cast<std::size_t>(sh_size(bands)));
+                    return exact.mean - glm::dvec3(irradiance_from_sh(kept, options.normals[k]));
+                };
+                squares[static_cast<std::size_t>(bands) - 1] +=
+                    component_sum(left(sh_a, a.irradiance[index]) * left(sh_b, b.irradiance[index]));
+            }
+        }
+    }
+    for (double& square : squares) square = reference > 0 ? std::sqrt(std::max(square / reference, 0.0)) : 0.0;
+    return squares;
 }
 
 void trace_bias(HeldOut& held_out, const PathTracer& paths, const SurfaceCache& cache, const BiasOptions& options) {
@@ -189,15 +225,17 @@ ErrorReport measure_error(const Volume& volume, const HeldOut& reference, const 
         }
         const Sampler::Corners corners = sampler.corners(reference.points[i], look_up);
         for (int c = 0; c < corners.count; ++c) {
-            const auto errors = std::span(unrounded.errors).subspan(corners.slots[c] * n, n);
             const double weight = corners.weights[c];
-            sum.noise += weight * weight * irradiance_variance(errors, volume.bands);
+            sum.noise +=
+                weight * weight * mean_square_irradiance(std::span(unrounded.errors).subspan(corners.slots[c] * n, n));
         }
         sum.noise *= static_cast<double>(normals.size());
+        sum.without_bands = sum.interpolation;
         sum.interpolation -= sum.noise + sum.storage + sum.bias;
     });
 
     report.total = summarise(sums, &PointSums::total);
+    report.without_bands = summarise(sums, &PointSums::without_bands);
     report.noise = summarise(sums, &PointSums::noise);
     report.bands = summarise(sums, &PointSums::bands);
     report.interpolation = summarise(sums, &PointSums::interpolation);

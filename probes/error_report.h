@@ -9,7 +9,9 @@
 #include <glm/glm.hpp>
 
 #include <cstdint>
+#include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -46,8 +48,9 @@ struct ErrorPart {
 struct ErrorReport {
     std::size_t points = 0;
     std::size_t normals = 0;
-    ErrorPart total, noise, bands, interpolation, storage, cross;
-    std::optional<ErrorPart> bias;  // of a surface cache
+    ErrorPart total, without_bands;  // the latter: as if the truncated series were the truth
+    ErrorPart noise, bands, interpolation, storage, cross;
+    std::optional<ErrorPart> bias;     // of a surface cache
     double p50 = 0, p95 = 0, p99 = 0;  // of |dE| / max(mean E at x, 1 % of the level's median E)
     struct Worst {
         glm::dvec3 position{0};
@@ -65,16 +68,27 @@ struct HeldOut {
     std::optional<CacheBias> bias;  // of the cache that lit the volume, at the same points and normals
 };
 
+/// Mean over all normals of squared irradiance (lux^2, R + G + B) from coefficients of radiance; of its variance, from
+/// standard errors of coefficients that are independent.
+[[nodiscard]] double mean_square_irradiance(std::span<const glm::vec3> sh);
+
 struct HeldOutOptions {
     std::size_t points = 128;
     std::uint32_t samples = 4096;  // per point and half
     int bands = 3;
+    std::size_t grids = std::numeric_limits<std::size_t>::max();  // whose boxes count: the first so many
     std::uint64_t seed = 0;
 };
 
 /// Draws points uniformly in the free space of the volume's boxes and traces them. Empty where no free point was found.
 [[nodiscard]] HeldOut trace_held_out(const Volume& volume, const PathTracer& paths, const LightEvidence& light,
                                      const HeldOutOptions& options);
+
+/// What irradiance at points loses to bands that are left out: relRMSE with 1, 2, ... `most_bands`, from two independent
+/// gathers.
+[[nodiscard]] std::vector<double> measure_bands(const PathTracer& paths, const std::vector<glm::vec3>& points,
+                                                int most_bands, std::uint32_t samples, const GatherRays& rays,
+                                                std::uint64_t seed, PathCounts& counts);
 
 /// How far a cache is off at held-out points.
 void trace_bias(HeldOut& held_out, const PathTracer& paths, const SurfaceCache& cache, const BiasOptions& options);

@@ -129,4 +129,18 @@ Gather gather(const PathTracer& paths, std::vector<glm::vec3> points, const Gath
     return sums.result();
 }
 
+void store(const Gather& gather, std::span<const std::size_t> slots, Volume& volume) {
+    const std::size_t n = volume.sh_size();
+    const std::size_t known = std::min(n, static_cast<std::size_t>(sh_size(gather.bands)));
+    for (std::size_t i = 0; i < slots.size(); ++i) {
+        for (std::size_t k = 0; k < known; ++k) {
+            volume.coefficients[slots[i] * n + k] = glm::vec3(gather.sh(i)[k].mean);
+            volume.errors[slots[i] * n + k] = glm::vec3(gather.sh(i)[k].error);
+        }
+        for (std::size_t k = 0; k < 6; ++k) {
+            volume.axis_errors[slots[i] * 6 + k] = glm::vec3(gather.axis_irradiance[i * 6 + k].error);
+        }
+    }
+}
+
 }  // namespace lightgrid

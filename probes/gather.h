@@ -89,4 +89,7 @@ class GatherSums {
 [[nodiscard]] Gather gather(const PathTracer& paths, std::vector<glm::vec3> points, const GatherOptions& options,
                             PathCounts* counts = nullptr);
 
+/// Light of the i-th point into the i-th of `slots`. Bands that only one of them has are left alone.
+void store(const Gather& gather, std::span<const std::size_t> slots, Volume& volume);
+
 }  // namespace lightgrid

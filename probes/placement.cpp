@@ -254,7 +254,8 @@ std::optional<glm::vec3> offset_into_view(const Tracer& tracer, const Stuck& pro
 /// The slots that hold a grid's probes, and who is beside whom.
 class Lattice {
   public:
-    Lattice(const Volume& volume, std::size_t grid) : volume_(&volume), table_(volume), grid_(grid) {}
+    Lattice(const Volume& volume, const SlotTable& table, std::size_t grid)
+        : volume_(&volume), table_(&table), grid_(grid) {}
 
     [[nodiscard]] const Grid& grid() const { return volume_->grids[grid_]; }
     /// In the order of the volume's bricks.
@@ -274,7 +275,7 @@ class Lattice {
             const glm::ivec3 other = probe + glm::ivec3(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
             const bool inside =
                 glm::all(glm::greaterThanEqual(other, glm::ivec3(0))) && glm::all(glm::lessThan(other, grid().counts));
-            const std::ptrdiff_t at = k != 13 && inside ? table_.slot(grid_, other) : SlotTable::none;
+            const std::ptrdiff_t at = k != 13 && inside ? table_->slot(grid_, other) : SlotTable::none;
             if (at != SlotTable::none) found.push_back(static_cast<std::size_t>(at));
         }
         return found;
@@ -282,7 +283,7 @@ class Lattice {
 
   private:
     const Volume* volume_;
-    SlotTable table_;
+    const SlotTable* table_;
     std::size_t grid_;
 };
 
@@ -294,8 +295,9 @@ struct BorderProbe {
 
 std::vector<BorderProbe> border_probes(const Volume& volume) {
     std::vector<BorderProbe> border;
+    const SlotTable table(volume);
     for (std::size_t g = 0; g < volume.grids.size(); ++g) {
-        const Lattice lattice(volume, g);
+        const Lattice lattice(volume, table, g);
         for (const std::size_t slot : lattice.slots()) {
             const glm::ivec3 probe = lattice_index(volume, slot);
             if (glm::any(glm::equal(probe, glm::ivec3(0))) || glm::any(glm::equal(probe, lattice.grid().counts - 1))) {
@@ -531,8 +533,9 @@ std::size_t fill_invalid(Volume& volume, const Tracer& tracer) {
     std::size_t filled = 0;
     std::vector<bool> has_light(volume.slots());
     for (std::size_t i = 0; i < volume.slots(); ++i) has_light[i] = is_valid(volume.states[i]);
+    const SlotTable table(volume);
     for (std::size_t grid = 0; grid < volume.grids.size(); ++grid) {
-        const Lattice lattice(volume, grid);
+        const Lattice lattice(volume, table, grid);
         std::vector<std::size_t> empty = lattice.slots();
         std::erase_if(empty, [&](std::size_t slot) { return has_light[slot]; });
         // Ring by ring along free segments; where that stops, one ring through walls, and on.

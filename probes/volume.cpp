@@ -151,32 +151,61 @@ bool same_bits(float a, float b) {
 }  // namespace
 
 Volume make_volume(std::vector<Grid> grids, int bands, std::vector<glm::dvec3> list) {
-    check_bands(bands);
     check_grids(grids);
-    Volume volume;
-    volume.bands = bands;
-    volume.grids = std::move(grids);
-    volume.list = std::move(list);
-    for (std::size_t g = 0; g < volume.grids.size(); ++g) {
-        const glm::ivec3 counts = volume.grids[g].counts;
+    std::vector<Brick> bricks;
+    for (std::size_t g = 0; g < grids.size(); ++g) {
+        const glm::ivec3 counts = grids[g].counts;
         for (int z = 0; z < counts.z; z += brick_size) {
             for (int y = 0; y < counts.y; y += brick_size) {
-                for (int x = 0; x < counts.x; x += brick_size) {
-                    volume.bricks.push_back({static_cast<int>(g), {x, y, z}});
-                }
+                for (int x = 0; x < counts.x; x += brick_size) bricks.push_back({static_cast<int>(g), {x, y, z}});
             }
         }
     }
+    return make_volume(std::move(grids), std::move(bricks), bands, std::move(list));
+}
+
+Volume make_volume(std::vector<Grid> grids, std::vector<Brick> bricks, int bands, std::vector<glm::dvec3> list) {
+    check_bands(bands);
+    check_grids(grids);
+    Volume volume;
+    volume.grids = std::move(grids);
+    volume.bricks = std::move(bricks);
+    volume.list = std::move(list);
     const std::size_t slots = volume.list_start() + volume.list.size();
     volume.states.resize(slots, ProbeState::valid);
     for (std::size_t slot = 0; slot < volume.list_start(); ++slot) {
         const Grid& grid = volume.grids[volume.bricks[slot / probes_per_brick].grid];
         if (!contains(grid, lattice_index(volume, slot))) volume.states[slot] = ProbeState::absent;
     }
-    volume.coefficients.assign(slots * volume.sh_size(), glm::vec3(0));
-    volume.errors = volume.coefficients;
-    volume.axis_errors.assign(slots * axis_normals.size(), glm::vec3(0));
+    set_bands(volume, bands);
     return volume;
+}
+
+void set_bands(Volume& volume, int bands) {
+    volume.bands = bands;
+    volume.coefficients.assign(volume.slots() * volume.sh_size(), glm::vec3(0));
+    volume.errors = volume.coefficients;
+    volume.axis_errors.assign(volume.slots() * axis_normals.size(), glm::vec3(0));
+}
+
+void append(Volume& volume, const Volume& more) {
+    const auto before_list = [&](auto& values, const auto& added, std::size_t per_slot) {
+        const auto rows = static_cast<std::ptrdiff_t>(volume.list.size() * per_slot);
+        values.insert(values.end() - rows, added.begin(), added.end());
+    };
+    const std::size_t n = volume.sh_size();
+    if (!volume.offsets.empty() || !more.offsets.empty()) {
+        std::vector<glm::vec3> offsets = more.offsets;
+        offsets.resize(more.slots());
+        volume.offsets.resize(volume.slots());
+        before_list(volume.offsets, offsets, 1);
+    }
+    before_list(volume.states, more.states, 1);
+    before_list(volume.coefficients, more.coefficients, n);
+    before_list(volume.errors, more.errors, n);
+    before_list(volume.axis_errors, more.axis_errors, axis_normals.size());
+    volume.grids = more.grids;
+    volume.bricks.insert(volume.bricks.end(), more.bricks.begin(), more.bricks.end());
 }
 
 Volume make_probe_list(std::vector<glm::dvec3> positions, int bands) {

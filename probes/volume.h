@@ -82,8 +82,18 @@ inline constexpr std::array<glm::vec3, 6> axis_normals{
 /// `valid`, padding `absent`, light and errors zero. Throws Error for a grid that check_volume would refuse, before
 /// anything is allocated.
 [[nodiscard]] Volume make_volume(std::vector<Grid> grids, int bands, std::vector<glm::dvec3> list = {});
+/// The same with these bricks only, in their order.
+[[nodiscard]] Volume make_volume(std::vector<Grid> grids, std::vector<Brick> bricks, int bands,
+                                 std::vector<glm::dvec3> list = {});
 /// The same without grids.
 [[nodiscard]] Volume make_probe_list(std::vector<glm::dvec3> positions, int bands);
+
+/// Room for other bands; all light becomes zero.
+void set_bands(Volume& volume, int bands);
+
+/// Adds grids and bricks of `more`, which has the bands and, first, the grids of `volume`, and no list. Slots of a list
+/// move to the new end.
+void append(Volume& volume, const Volume& more);
 
 /// Throws Error that names the first thing wrong: a size that does not fit the others, a brick outside its grid or
 /// stored twice, a probe inside its grid that is `absent` or one outside that is not, a number that is not finite, a

@@ -36,7 +36,7 @@ std::string with_interval(const ErrorPart& part) {
 
 json error_json(const BakeResult& result) {
     json error;
-    error["target_met"] = nullptr;
+    error["target_met"] = result.target_met ? json(*result.target_met) : json(nullptr);
     if (!result.error) {
         error["relrmse"] = nullptr;
         error["interval"] = nullptr;
@@ -157,6 +157,26 @@ json machine_json(const Machine& machine) {
             {"peak_memory_bytes", peak_memory_bytes()}};
 }
 
+/// null where --samples fixed everything.
+json target_json(const BakePlan& plan, const BakeResult& result, const BakeOptions& options) {
+    if (!plan.steering) return nullptr;
+    const Steering& steering = *plan.steering;
+    json target{{"error", options.target.error ? json(*options.target.error) : json(nullptr)},
+                {"seconds", options.target.seconds ? json(*options.target.seconds) : json(nullptr)},
+                {"error_without_bands", nullptr},
+                {"verdict", result.verdict},
+                {"why_bands", steering.why_bands},
+                {"why_refined", steering.why_refined},
+                {"expected_bands", steering.bands_error},
+                {"rounds", json::array()}};
+    if (!options.target.error && !options.target.seconds) target["error_without_bands"] = default_error;
+    for (const Round& round : steering.rounds) {
+        target["rounds"].push_back(
+            {{"probes", round.probes}, {"interpolation", round.interpolation}, {"blocks_divided", round.blocks}});
+    }
+    return target;
+}
+
 void print_left_out(const Messages& messages, const LeftOut& item) {
     messages.line(fmt::format("left out   {}: {}; saves {}", item.what, item.evidence, item.saved));
 }
@@ -175,10 +195,19 @@ void print_plan(const Messages& messages, const Scene& scene, const Tracer& trac
                                   grid.counts.y, grid.counts.z, grid.spacing.x, grid.spacing.y, grid.spacing.z));
     }
     messages.line(fmt::format("spacing    {}", plan.why_spacing));
+    if (plan.steering) {
+        for (const Round& round : plan.steering->rounds) {
+            messages.line(fmt::format("refining   {} probes leave {} of interpolation{}", round.probes,
+                                      percent(round.interpolation),
+                                      round.blocks > 0 ? fmt::format(": {} blocks are divided", round.blocks) : ""));
+        }
+        if (!plan.steering->why_refined.empty()) messages.line("refined    " + plan.steering->why_refined);
+        if (!plan.steering->why_bands.empty()) messages.line("bands      " + plan.steering->why_bands);
+    }
     messages.line(fmt::format("probes     {} to gather ({} valid, {} moved), {} inside solids", plan.points.size(),
                               plan.placement.valid, plan.placement.moved, plan.placement.invalid));
     messages.line(fmt::format("samples    {} per probe in {} replicates ({}), {} bands", plan.samples,
-                              GatherOptions{}.replicates, plan.why_samples, options.bands));
+                              GatherOptions{}.replicates, plan.why_samples, plan.volume.bands));
     messages.line(fmt::format("estimate   {}, {} of memory", duration_text(plan.seconds_estimate),
                               bytes_text(plan.bytes_estimate)));
     for (const LeftOut& item : plan.left_out) print_left_out(messages, item);
@@ -209,6 +238,7 @@ void print_result(const Messages& messages, const BakePlan& plan, const BakeResu
         const ErrorReport& error = *result.error;
         messages.line(fmt::format("error      {} relRMSE at {} held-out points, 95 % interval",
                                   with_interval(error.total), error.points));
+        messages.line(fmt::format("           all but bands {}", with_interval(error.without_bands)));
         messages.line(fmt::format("           noise {}", with_interval(error.noise)));
         messages.line(fmt::format("           bands {}", with_interval(error.bands)));
         messages.line(fmt::format("           interpolation {}", with_interval(error.interpolation)));
@@ -219,13 +249,14 @@ void print_result(const Messages& messages, const BakePlan& plan, const BakeResu
             "           in squares: {:.3g} noise + {:.3g} bands + {:.3g} interpolation + {:.3g} bias + {:.3g} storage "
             "{} {:.3g} cross = {:.3g} %^2",
             squared(error.noise), squared(error.bands), squared(error.interpolation),
-            squared(error.bias.value_or(ErrorPart{})), squared(error.storage),
-            error.cross.relrmse < 0 ? "-" : "+", std::abs(squared(error.cross)), squared(error.total)));
+            squared(error.bias.value_or(ErrorPart{})), squared(error.storage), error.cross.relrmse < 0 ? "-" : "+",
+            std::abs(squared(error.cross)), squared(error.total)));
         messages.line(fmt::format("           half of all values are within {}, 95 % within {}, 99 % within {}",
                                   percent(error.p50), percent(error.p95), percent(error.p99)));
     } else {
         messages.line("error      " + result.no_error_because);
     }
+    if (!result.verdict.empty()) messages.line("target     " + result.verdict);
     for (std::size_t i = plan.left_out.size(); i < result.left_out.size(); ++i)
         print_left_out(messages, result.left_out[i]);
     messages.line(fmt::format("written    {} ({})", output.string(),
@@ -250,9 +281,9 @@ json bake_report(const Tracer& tracer, const BakePlan& plan, const BakeResult& r
     report["output"] = call.output.filename().string();
     report["bytes"] = std::filesystem::file_size(call.output);
     report["storage"] = result.volume.half ? "half" : "float";
-    report["bands"] = options.bands;
+    report["bands"] = result.volume.bands;
     report["seed"] = options.seed;
-    report["samples"] = plan.samples;
+    report["samples"] = plan.samples / GatherOptions{}.replicates * result.replicates;
     report["method"] = name_of(plan.method);
     if (result.cache) {
         report["cache"] = {{"patches", result.cache->patches},
@@ -263,7 +294,7 @@ json bake_report(const Tracer& tracer, const BakePlan& plan, const BakeResult& r
                            {"residual", result.cache->residual},
                            {"width", plan.cache.width}};
     }
-    report["replicates"] = GatherOptions{}.replicates;
+    report["replicates"] = result.replicates;
     report["why_samples"] = plan.why_samples;
     report["spacing"] = plan.why_spacing;
     report["estimate"] = {{"seconds", plan.seconds_estimate}, {"bytes", plan.bytes_estimate}};
@@ -280,6 +311,7 @@ json bake_report(const Tracer& tracer, const BakePlan& plan, const BakeResult& r
                         {"filled", result.filled}};
     report["noise"] = result.noise.relrmse;
     report["error"] = error_json(result);
+    report["target"] = target_json(plan, result, options);
     report["curve"] = json::array();
     for (const CurvePoint& point : result.curve) {
         report["curve"].push_back({{"seconds", point.seconds},

@@ -4,6 +4,7 @@
 #include "core/gltf.h"
 #include "core/parallel.h"
 #include "core/sh.h"
+#include "core/stopwatch.h"
 #include "core/tracer.h"
 #include "core/whole_file.h"
 #include "probes/bake.h"
@@ -14,6 +15,7 @@
 #include "tools/program.h"
 #include "tools/progress.h"
 #include "tools/report_page.h"
+#include "tools/target_options.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/chrono.h>
@@ -41,9 +43,9 @@ struct Call {
     std::vector<std::string> volumes;
     std::string probes;
     std::optional<std::int64_t> max_probes;
-    std::optional<std::uint32_t> samples;
-    int bands = 3;
-    std::string method = "path";
+    TargetOptions target;
+    std::optional<int> bands;
+    std::string method = "cache";
     std::uint64_t seed = 0;
     int threads = 0;
     std::string layers = "combined";
@@ -51,12 +53,10 @@ struct Call {
     std::string report_json;
     bool json = false;
     bool quiet = false;
-    std::string command;                 // as it was typed, for the report
-    std::string max_error, time_budget;  // not in this version: refused by name
+    std::string command;  // as it was typed, for the report
 };
 
-constexpr double slice_pixels = 480;       // along the longest side of the volume
-constexpr double most_samples = 1U << 28;  // their directions take 3 GB per thread and 16 replicates
+constexpr double slice_pixels = 480;  // along the longest side of the volume
 
 Box parse_box(const std::string& text) {
     const std::vector<double> n = parse_numbers(text, 6, "0,0,0,10,3,8");
@@ -64,11 +64,6 @@ Box parse_box(const std::string& text) {
     box.extend({n[0], n[1], n[2]});
     box.extend({n[3], n[4], n[5]});
     return box;
-}
-
-/// Refuses an option that a later version will have.
-CLI::Validator not_yet(const std::string& instead) {
-    return checked([instead](const std::string&) { throw Error("is not in this version: use " + instead); });
 }
 
 Method parse_method(const std::string& name) {
@@ -114,18 +109,13 @@ void add_options(CLI::App& app, Call& call) {
         ->check(number(1, 1e15, true))
         ->group(where);
 
-    const char* how = "How much and how";
-    app.add_option(
-           "--samples", call.samples,
-           fmt::format("Gather rays per probe, all {} replicates together (default: {} to {}, by a budget of rays)",
-                       GatherOptions{}.replicates, least_default_samples, most_default_samples))
-        ->type_name("N")
-        ->check(number(1, most_samples, true))
-        ->group(how);
-    app.add_option("--bands", call.bands, "SH bands: 3 are nine coefficients")
+    add_target_options(app, call.target);
+
+    const char* how = "How";
+    app.add_option("--bands", call.bands,
+                   "SH bands: 3 are nine coefficients (default: 3; with --max-error 5 where 3 cannot meet it)")
         ->type_name("N")
         ->check(number(1, max_sh_bands, true))
-        ->capture_default_str()
         ->group(how);
     app.add_option("--method", call.method,
                    "path: the unbiased path tracer; cache: light of surfaces solved once for all probes, fast")
@@ -140,14 +130,6 @@ void add_options(CLI::App& app, Call& call) {
     app.add_option("--threads", call.threads, "0: all of the machine; the result is the same")
         ->type_name("N")
         ->check(number(0, 4096, true))
-        ->group(how);
-    app.add_option("--max-error", call.max_error, "Not in this version")
-        ->type_name("P%")
-        ->check(not_yet("--samples and read the reported error"))
-        ->group(how);
-    app.add_option("--time-budget", call.time_budget, "Not in this version")
-        ->type_name("T")
-        ->check(not_yet("--samples"))
         ->group(how);
     app.add_option("--layers", call.layers, "combined: all light in one")
         ->type_name("NAMES")
@@ -177,6 +159,11 @@ void check(const Call& call) {
     }
     if (call.level.empty() && call.light.environment.empty() && call.light.sky.empty() && call.light.sun_sky.empty()) {
         wrong.emplace_back("no LEVEL: name a .gltf or .glb file, or an --environment");
+    }
+    try {
+        static_cast<void>(parse_target(call.target));
+    } catch (const Error& error) {
+        wrong.emplace_back(error.what());
     }
     if (!wrong.empty()) throw Error(fmt::format("{}", fmt::join(wrong, "; ")), "", "See level-bake --help");
 }
@@ -265,6 +252,7 @@ Scene empty_scene() {
 }
 
 int bake(const Call& call) {
+    const Stopwatch clock;
     check(call);
     const fs::path output = output_path(call);
     check_outputs(output, call);
@@ -277,11 +265,12 @@ int bake(const Call& call) {
     if (call.max_probes) options.placement.max_probes = *call.max_probes;
     if (!call.probes.empty()) options.probes = read_probes(call);
     options.bands = call.bands;
-    options.samples = call.samples;
+    options.target = parse_target(call.target);
+    if (options.target.seconds) options.clock = clock;
     options.method = parse_method(call.method);
     options.seed = call.seed;
     const bool wants_report = !call.report.empty() || !call.report_json.empty();
-    options.measure_error = !call.samples || wants_report;
+    options.measure_error = !call.target.samples || wants_report;
     options.compare_look_ups = wants_report;
 
     Stopwatch watch;
@@ -300,17 +289,17 @@ int bake(const Call& call) {
             "Add --sky 1,1,1 or --environment FILE");
     }
 
-    BakePlan plan = plan_bake(paths, options);
+    ProgressLine line(messages);
+    const auto progress = [&](const Doing& doing) { line.update(doing.stage, doing.share, doing.rays, doing.error); };
+    BakePlan plan = plan_bake(paths, options, progress);
+    line.finish();
     plan.stages.insert(plan.stages.begin(), stages.begin(), stages.end());
     print_plan(messages, scene, tracer, plan, options);
     if (plan.placement.valid + plan.placement.moved == 0) {
         messages.warning("no probe is valid: all are inside solids. Check the level's winding, or give a --volume");
     }
 
-    ProgressLine line(messages);
-    BakeResult result = run_bake(paths, plan, options, [&](const std::string& stage, double share, std::uint64_t rays) {
-        line.update(stage, share, rays);
-    });
+    BakeResult result = run_bake(paths, plan, options, progress);
     line.finish();
     watch.lap();
     save_volume(result.volume, output);
@@ -326,7 +315,7 @@ int bake(const Call& call) {
     }
     print_result(messages, plan, result, output);
     if (call.json) print(report.dump(2) + "\n");
-    return 0;
+    return call.target.strict && !result.target_met.value_or(true) ? 1 : 0;
 }
 
 }  // namespace

@@ -38,14 +38,7 @@ void Messages::warning(const std::string& text) const {
     line((colour_ ? "\x1b[33mwarning:\x1b[0m " : "warning: ") + text);
 }
 
-double Stopwatch::lap() {
-    const auto now = Clock::now();
-    const double seconds = std::chrono::duration<double>(now - last_).count();
-    last_ = now;
-    return seconds;
-}
-
-void ProgressLine::update(const std::string& stage, double share, std::uint64_t rays) {
+void ProgressLine::update(const std::string& stage, double share, std::uint64_t rays, std::optional<double> error) {
     if (messages_->quiet()) return;
     if (stage != stage_) {
         stage_ = stage;
@@ -54,24 +47,25 @@ void ProgressLine::update(const std::string& stage, double share, std::uint64_t 
         quarters_ = 0;
         if (!messages_->terminal()) messages_->line(stage + " ...");
     }
+    const std::string so_far = error ? fmt::format(", error {:.2f} %", 100 * *error) : "";
     if (messages_->terminal()) {
         if (Clock::now() - last_drawn_ < redraw_every) return;
         last_drawn_ = Clock::now();
-        draw(share, rays);
+        draw(share, rays, so_far);
     } else if (static_cast<int>(share * 4) > quarters_) {
         quarters_ = static_cast<int>(share * 4);
-        messages_->line(fmt::format("{} {:.0f} %, {:.2f} Mrays/s", stage, 25.0 * quarters_,
-                                    static_cast<double>(rays) * 1e-6 / seconds_since(stage_start_)));
+        messages_->line(fmt::format("{} {:.0f} %, {:.2f} Mrays/s{}", stage, 25.0 * quarters_,
+                                    static_cast<double>(rays) * 1e-6 / seconds_since(stage_start_), so_far));
     }
 }
 
-void ProgressLine::draw(double share, std::uint64_t rays) {
+void ProgressLine::draw(double share, std::uint64_t rays, const std::string& error) {
     const double seconds = seconds_since(stage_start_);
     const int full = static_cast<int>(std::lround(share * bar_cells));
     const std::string left =
         share > share_worth_a_forecast ? ", " + duration_text(seconds / share * (1 - share)) + " left" : "";
-    fmt::print(stderr, "\r\x1b[K{} [{:#<{}}{:.<{}}] {:3.0f} %  {:.2f} Mrays/s{}", stage_, "", full, "",
-               bar_cells - full, 100 * share, static_cast<double>(rays) * 1e-6 / std::max(seconds, 1e-3), left);
+    fmt::print(stderr, "\r\x1b[K{} [{:#<{}}{:.<{}}] {:3.0f} %  {:.2f} Mrays/s{}{}", stage_, "", full, "",
+               bar_cells - full, 100 * share, static_cast<double>(rays) * 1e-6 / std::max(seconds, 1e-3), error, left);
     std::fflush(stderr);
     drawn_ = true;
 }

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 /// What a program tells its user while it works: standard error only, nothing with --quiet.
@@ -23,27 +24,18 @@ class Messages {
     bool colour_;
 };
 
-class Stopwatch {
-  public:
-    /// Seconds since the last lap, or since the start.
-    double lap();
-
-  private:
-    std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
-
 /// One bar that moves on a terminal; elsewhere a plain line when a stage starts and at each quarter of it.
 class ProgressLine {
   public:
     explicit ProgressLine(const Messages& messages) : messages_(&messages) {}
 
-    /// share in [0, 1]; rays so far in this stage
-    void update(const std::string& stage, double share, std::uint64_t rays);
+    /// share in [0, 1]; rays so far in this stage; error: relRMSE so far, where it is known
+    void update(const std::string& stage, double share, std::uint64_t rays, std::optional<double> error = {});
     /// Removes the bar.
     void finish();
 
   private:
-    void draw(double share, std::uint64_t rays);
+    void draw(double share, std::uint64_t rays, const std::string& error);
 
     const Messages* messages_;
     std::string stage_;

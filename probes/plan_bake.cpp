@@ -1,0 +1,383 @@
+#include "core/parallel.h"
+#include "core/stopwatch.h"
+#include "probes/bake.h"
+
+#include <fmt/format.h>
+#include <glm/gtc/constants.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace lightgrid {
+namespace {
+
+constexpr std::size_t pilot_points = 64;
+constexpr std::uint32_t pilot_samples = 64;
+constexpr std::size_t timed_points = 512;
+constexpr std::uint32_t timed_samples = 16;
+/// How many rays a path takes is decided by the few points whose paths hardly end: many points, a path or two at each,
+/// but no more than a small share of all that will be traced.
+constexpr std::size_t counted_paths = 8192;
+constexpr std::size_t counted_share = 16;
+/// Rough looks at a point's light need no long paths, and sealed cavities of white walls would never end them.
+constexpr std::uint32_t pilot_bounces = 16;
+/// With fewer probes paths are cheaper than a cache that is as good as they are.
+constexpr std::size_t least_cache_probes = 32;
+/// Of a probe's spacing: wider patches blur what probes beside a wall see, narrower ones have too few samples each (from
+/// a quarter to the whole there is little to choose).
+constexpr double patch_width = 0.5;
+/// Where probes are a list: of the level's longest side.
+constexpr double list_patch_width = 1.0 / 64;
+/// Samples of the cache for each gather ray of one probe: all probes share them, and their noise with it.
+constexpr double cache_samples_per_sample = 16;
+/// Fewer tell nothing.
+constexpr std::uint32_t least_samples = 64;
+constexpr std::size_t most_held_out_points = 1024;
+/// Of a time budget: finer grids, the reference and the bias.
+constexpr double refining_share = 0.3;
+constexpr double certifying_share = 0.2;
+/// That a time budget shall pay for, so that there is something to leave off.
+constexpr double planned_replicates = 24;
+constexpr std::uint32_t most_samples = 1U << 20;
+/// Assumed before they are chosen, for the pilot's cache.
+constexpr std::uint32_t pilot_cache_samples = 512;
+/// Of the gather rays, for the reference at held-out points.
+constexpr double reference_share = 0.25;
+
+/// Luminance of the mean radiance that arrives at a point, from a few short paths.
+double rough_light(const PathTracer& paths, glm::vec3 point, std::uint64_t key, PathCounts& counts) {
+    std::vector<LightSample> light;
+    static const std::vector<glm::vec3> directions = even_directions(pilot_samples);
+    paths.gather(point, key, directions, light, counts, {.most_bounces = pilot_bounces});
+    paths.gather_punctual(point, light, counts);
+    double sum = 0;
+    for (const LightSample& sample : light) sum += luminance(sample.radiance);
+    return sum / (4 * glm::pi<double>());
+}
+
+/// Median over lattice points of the light that gets there, among those that get any; 0 where none does.
+double median_light(const PathTracer& paths, const Volume& volume, std::uint64_t seed, PathCounts& counts) {
+    const glm::dvec3 origin = paths.tracer().scene().origin;
+    std::vector<std::size_t> slots;
+    for (std::size_t slot = 0; slot < volume.slots(); ++slot) {
+        if (volume.states[slot] != ProbeState::absent) slots.push_back(slot);
+    }
+    const std::size_t count = std::min(pilot_points, slots.size());
+    std::vector<double> light(count);
+    std::vector<PathCounts> counted(count);
+    for_each_index(count, [&](std::size_t i) {
+        const glm::vec3 point(lattice_position(volume, slots[i * slots.size() / count]) - origin);
+        light[i] = rough_light(paths, point, mix_bits(mix_bits(seed, 5), i), counted[i]);
+    });
+    for (const PathCounts& c : counted) counts += c;
+    std::erase(light, 0.0);
+    if (light.empty()) return 0;
+    const auto middle = light.begin() + static_cast<std::ptrdiff_t>(light.size() / 2);
+    std::nth_element(light.begin(), middle, light.end());
+    return *middle;
+}
+
+/// What a gather ray costs, its whole path included.
+struct Cost {
+    double rays = 0;
+    double seconds = 0;  // on all threads together
+};
+
+std::vector<glm::vec3> spread_over(const std::vector<glm::vec3>& points, std::size_t most) {
+    const std::size_t count = std::min(most, points.size());
+    std::vector<glm::vec3> some;
+    for (std::size_t i = 0; i < count; ++i) some.push_back(points[i * points.size() / count]);
+    return some;
+}
+
+double total_rays(const PathCounts& counts) {
+    return static_cast<double>(counts.rays + counts.shadow_rays);
+}
+
+double rays_per_path(const PathTracer& paths, const std::vector<glm::vec3>& points, std::uint32_t samples,
+                     std::uint64_t seed, PathCounts& counts) {
+    const std::size_t count = std::clamp(points.size() * samples / counted_share, std::size_t{1}, counted_paths);
+    const std::vector<glm::vec3> some = spread_over(points, count);
+    const auto directions = even_directions(static_cast<std::uint32_t>(count / some.size()));
+    std::vector<PathCounts> counted(some.size());
+    for_each_index(some.size(), [&](std::size_t i) {
+        std::vector<LightSample> light;
+        paths.gather(some[i], mix_bits(mix_bits(seed, 8), i), directions, light, counted[i]);
+    });
+    PathCounts sum;
+    for (const PathCounts& c : counted) sum += c;
+    counts += sum;
+    return total_rays(sum) / static_cast<double>(some.size() * directions.size());
+}
+
+double seconds_per_ray(const PathTracer& paths, const std::vector<glm::vec3>& points, std::uint64_t seed,
+                       PathCounts& counts) {
+    GatherOptions options;
+    options.bands = 1;
+    options.samples = timed_samples;
+    options.replicates = 1;
+    options.seed = mix_bits(seed, 7);
+    PathCounts counted;
+    const Stopwatch watch;
+    static_cast<void>(gather(paths, spread_over(points, timed_points), options, &counted));
+    const double seconds = watch.seconds();
+    counts += counted;
+    return seconds / total_rays(counted);
+}
+
+Cost measure_cost(const PathTracer& paths, const std::vector<glm::vec3>& points, std::uint32_t samples,
+                  std::uint64_t seed, PathCounts& counts) {
+    if (points.empty()) return {};
+    const double rays = rays_per_path(paths, points, samples, seed, counts);
+    return {rays, rays * seconds_per_ray(paths, points, seed, counts)};
+}
+
+LightEvidence light_evidence(const PathTracer& paths, double usual_light, std::uint64_t seed) {
+    LightEvidence evidence;
+    evidence.has_sky = paths.estimators().sky;
+    if (!(usual_light > 0)) return evidence;
+    evidence.share = [&paths, usual_light, seed](glm::vec3 point) {
+        PathCounts counts;
+        return rough_light(paths, point, mix_bits(seed, 6), counts) / usual_light;
+    };
+    return evidence;
+}
+
+/// What this level gives no reason to do.
+std::vector<LeftOut> unused_estimators(const PathTracer& paths) {
+    const Estimators& use = paths.estimators();
+    const Scene& scene = paths.tracer().scene();
+    std::vector<LeftOut> left_out;
+    if (!use.emitters)
+        left_out.push_back({"sampling of emissive surfaces", "no surface emits", "a shadow ray per path vertex"});
+    if (!use.sky) {
+        left_out.push_back({"environment look-ups", "the environment is black", "a look-up per ray that leaves"});
+    } else if (!use.environment) {
+        left_out.push_back({"importance sampling of the environment", "its radiance is the same from everywhere",
+                            "a shadow ray per path vertex, and its tables"});
+    }
+    if (!use.lights) left_out.push_back({"punctual lights", "the level has none", "a shadow ray per path vertex"});
+    if (!use.reflection) left_out.push_back({"reflected light", "every surface is black", "all bounces"});
+    std::size_t opaque = 0;
+    for (const Mesh& mesh : scene.meshes) opaque += scene.materials[mesh.material].passes_light() ? 0 : 1;
+    if (opaque > 0) {
+        left_out.push_back({fmt::format("alpha tests on {} of {} meshes", opaque, scene.meshes.size()),
+                            "their materials let no light pass", "a look-up per ray that meets them"});
+    }
+    return left_out;
+}
+
+CacheOptions cache_options(const BakePlan& plan, const Scene& scene, const BakeOptions& options) {
+    CacheOptions result;
+    const std::uint32_t samples = plan.samples > 0 ? plan.samples : pilot_cache_samples;
+    result.seed = mix_bits(options.seed, 9);
+    const auto longest = [](glm::dvec3 v) { return std::max({v.x, v.y, v.z}); };
+    double width = list_patch_width * longest(scene.bounds.size());
+    if (!plan.volume.grids.empty()) {
+        width = std::numeric_limits<double>::infinity();
+        for (std::size_t i = 0; i < plan.first_grids; ++i) {
+            width = std::min(width, patch_width * longest(plan.volume.grids[i].spacing));
+        }
+    }
+    // Not below what float can tell apart.
+    result.width = static_cast<float>(std::max({width, 0x1p-18 * longest(scene.bounds.size()), 1e-6}));
+    const double wanted =
+        cache_samples_per_sample * samples / static_cast<double>(std::max<std::size_t>(1, plan.points.size()));
+    while (result.rays_per_probe < wanted && result.rays_per_probe < samples) result.rays_per_probe *= 2;
+    return result;
+}
+
+/// Finer grids, bands and samples, from a pilot with a cache of its own.
+void steer_plan(BakePlan& plan, const PathTracer& paths, const BakeOptions& options, const Progress& progress) {
+    const Stopwatch watch;
+    const Scene& scene = paths.tracer().scene();
+    SteeringOptions steering;
+    steering.target = options.target;
+    steering.bands = options.bands;
+    steering.may_refine = !options.probes && !options.placement.spacing;
+    steering.max_probes = options.placement.max_probes;
+    steering.light = plan.light;
+    steering.seed = mix_bits(options.seed, 11);
+    std::optional<SurfaceCache> cache;
+    PathCounts counts;
+    if (options.clock) steering.seconds = refining_share * (*options.target.seconds - options.clock->seconds());
+    if (plan.method == Method::cache) {
+        if (progress) progress({"pilot"});
+        CacheOptions rough = cache_options(plan, scene, options);
+        rough.seed = mix_bits(options.seed, 12);
+        cache = build_surface_cache(paths, plan.points, rough);
+        plan.cache_seconds = watch.seconds() / static_cast<double>(plan.points.size());
+        counts += cache->made().counts;
+        steering.cache = &*cache;
+    }
+    plan.steering = steer(paths, plan.volume, steering, [&](double share) {
+        if (progress) progress({"refine", share});
+    });
+    counts += plan.steering->counts;
+    plan.why_samples = plan.steering->why_samples;
+    const PlacementCounts& placed = plan.steering->placed;
+    plan.placement.valid += placed.valid;
+    plan.placement.moved += placed.moved;
+    plan.placement.invalid += placed.invalid;
+    plan.placement.rays += placed.rays;
+    set_bands(plan.volume, plan.steering->bands);
+    plan.stages.push_back({"refine", watch.seconds(), placed.rays + counts.rays + counts.shadow_rays});
+}
+
+/// Which probes are gathered, and where: those of a level of grids together.
+void list_probes(BakePlan& plan, const Scene& scene) {
+    plan.batches.clear();
+    plan.points.clear();
+    for (std::size_t slot = 0; slot < plan.volume.slots(); ++slot) {
+        // A list is gathered even where it is inside something: its owner asked for just these places.
+        const bool listed = slot >= plan.volume.list_start();
+        if (!listed && !is_valid(plan.volume.states[slot])) continue;
+        const int grid = listed ? 0 : plan.volume.bricks[slot / probes_per_brick].grid;
+        const auto level = static_cast<std::size_t>(plan.steering && !listed ? plan.steering->levels[grid] : 0);
+        if (plan.batches.size() <= level) plan.batches.resize(level + 1);
+        plan.points.emplace_back(gather_position(plan.volume, slot) - scene.origin);
+        plan.batches[level].slots.push_back(slot);
+        plan.batches[level].points.push_back(plan.points.back());
+        if (plan.steering) plan.batches[level].samples = plan.steering->samples[level];
+    }
+}
+
+void scale_samples(BakePlan& plan, double factor) {
+    for (Batch& batch : plan.batches) batch.samples = whole_replicates(factor * batch.samples, most_samples);
+}
+
+double gather_rays(const BakePlan& plan) {
+    double rays = 0;
+    for (const Batch& batch : plan.batches) rays += static_cast<double>(batch.points.size()) * batch.samples;
+    return rays;
+}
+
+void take_samples(BakePlan& plan, std::uint32_t asked) {
+    const std::uint32_t replicates = GatherOptions{}.replicates;
+    const std::uint32_t samples = (asked + replicates - 1) / replicates * replicates;
+    for (Batch& batch : plan.batches) batch.samples = samples;
+    plan.why_samples = samples == asked ? "as asked" : fmt::format("{} asked, rounded up to whole replicates", asked);
+}
+
+/// Without any target: no more than the budget of rays allows.
+void limit_samples(BakePlan& plan, const BakeOptions& options, const Cost& cost) {
+    if (options.target.error || options.target.seconds) return;
+    const double affordable = default_ray_budget / std::max(1.0, cost.rays * gather_rays(plan));
+    if (affordable >= 1) return;
+    scale_samples(plan, affordable);
+    plan.why_samples = fmt::format("as many as {:.0f} million rays pay for; ask for less noise with --max-error",
+                                   default_ray_budget * 1e-6);
+}
+
+/// With a time budget: what the time that is left pays for.
+void spend_time(BakePlan& plan, const BakeOptions& options) {
+    const double seconds = *options.target.seconds * (1 - finishing_share - certifying_share) -
+                           options.clock->seconds() - plan.cache_seconds * static_cast<double>(plan.points.size());
+    const double planned =
+        plan.steering->seconds_per_sample * gather_rays(plan) * planned_replicates / GatherOptions{}.replicates;
+    scale_samples(plan, std::max(seconds, 0.0) / planned);
+    plan.why_samples = "what the time pays for";
+}
+
+HeldOutOptions held_out_options(const BakePlan& plan, const BakeOptions& options, double paths_per_ray,
+                                double path_seconds) {
+    HeldOutOptions result;
+    const double rays = reference_share * paths_per_ray * gather_rays(plan) / 2;
+    result.points = std::clamp<std::size_t>(plan.points.size() / 16, 32, 256);
+    result.samples = static_cast<std::uint32_t>(
+        std::max(rays / static_cast<double>(result.points), static_cast<double>(std::min(plan.samples, 256U))));
+    if (!options.target.samples) {
+        // Few rays at many points: what differs from point to point is more than what the reference is unsure of.
+        result.points = static_cast<std::size_t>(std::clamp(rays / 256, 256.0, double{most_held_out_points}));
+        result.samples =
+            static_cast<std::uint32_t>(std::clamp(rays / static_cast<double>(result.points), 128.0, 512.0));
+    }
+    if (options.target.error || options.target.seconds) result.points = most_held_out_points;
+    if (options.clock) {
+        // Two halves, and two of half as many paths for the bias.
+        const double paths = certifying_share * *options.target.seconds / (3 * path_seconds);
+        result.samples =
+            static_cast<std::uint32_t>(std::clamp(paths / static_cast<double>(result.points), 16.0, double{1U << 16}));
+    }
+    result.grids = plan.first_grids;
+    result.bands = plan.volume.bands;
+    result.seed = options.seed;
+    return result;
+}
+
+}  // namespace
+
+const char* name_of(Method method) noexcept {
+    return method == Method::cache ? "cache" : "path";
+}
+
+BakePlan plan_bake(const PathTracer& paths, const BakeOptions& options, const Progress& progress) {
+    const Stopwatch watch;
+    const Scene& scene = paths.tracer().scene();
+    BakePlan plan;
+    if (options.probes) {
+        plan.volume = make_probe_list(*options.probes, options.bands.value_or(3));
+        plan.why_spacing = "a list: gathered exactly where it is";
+    } else {
+        GridChoice choice = choose_grids(scene, options.placement);
+        plan.why_spacing = choice.why;
+        std::vector<glm::dvec3> list = scene.probe_markers;
+        if (choice.grids.empty() && list.empty()) list.push_back(scene.origin);
+        plan.volume = make_volume(std::move(choice.grids), options.bands.value_or(3), std::move(list));
+    }
+
+    PathCounts pilot;
+    plan.light = light_evidence(paths, median_light(paths, plan.volume, options.seed, pilot), options.seed);
+    plan.placement = place_probes(plan.volume, paths.tracer(), plan.light);
+    plan.first_grids = plan.volume.grids.size();
+    list_probes(plan, scene);
+    plan.left_out = scene.left_out;
+    plan.method = options.method;
+    if (options.method == Method::cache && plan.points.size() < least_cache_probes) {
+        plan.method = Method::path;
+        plan.left_out.push_back({"the surface cache", fmt::format("{} probes are few", plan.points.size()),
+                                 "solving for the light of all surfaces"});
+    }
+    plan.stages.push_back({"place", watch.seconds(), plan.placement.rays + pilot.rays + pilot.shadow_rays});
+    if (!options.target.samples) {
+        steer_plan(plan, paths, options, progress);
+        list_probes(plan, scene);
+    }
+    Cost cost = measure_cost(paths, plan.points, options.target.samples.value_or(least_samples), options.seed, pilot);
+    double paths_per_ray = 1;
+    const double path_seconds = cost.seconds;
+    if (plan.method == Method::cache && cost.rays > 0) {
+        const double rays = 1 + 1.0 / GatherRays{}.rays_per_light_sample;
+        paths_per_ray = std::min(1.0, rays / cost.rays);
+        cost = {rays, cost.seconds * rays / cost.rays};
+    }
+    if (options.target.samples) {
+        take_samples(plan, *options.target.samples);
+    } else if (options.clock) {
+        spend_time(plan, options);
+    } else {
+        limit_samples(plan, options, cost);
+    }
+    plan.samples = plan.batches.empty() ? 0 : plan.batches.front().samples;
+    plan.cache = cache_options(plan, scene, options);
+    for (LeftOut& item : unused_estimators(paths)) plan.left_out.push_back(std::move(item));
+    const std::size_t probes = plan.placement.valid + plan.placement.moved + plan.placement.invalid;
+    if (probes > plan.points.size()) {
+        const std::size_t left_out = probes - plan.points.size();
+        plan.left_out.push_back({fmt::format("gathers of {} probes inside solids", left_out),
+                                 fmt::format("{} rays around each met back faces, and little or no light gets there",
+                                             plan.placement.rays / probes),
+                                 fmt::format("about {:.3g} million rays",
+                                             static_cast<double>(left_out) * plan.samples * cost.rays * 1e-6)});
+    }
+    plan.held_out = held_out_options(plan, options, paths_per_ray, path_seconds);
+    plan.seconds_estimate = gather_rays(plan) * cost.seconds * (options.measure_error ? 1 + reference_share : 1);
+    // Running sums, a replicate and the result for each point (GatherSums); two volumes, the plan's and the result's.
+    const std::size_t values = plan.volume.sh_size() + 6;
+    plan.bytes_estimate =
+        static_cast<double>(plan.points.size() * values * 7 * sizeof(glm::dvec3) +
+                            plan.volume.slots() * (values + plan.volume.sh_size()) * 2 * sizeof(glm::vec3));
+    return plan;
+}
+
+}  // namespace lightgrid
