@@ -220,6 +220,17 @@ void steer_plan(BakePlan& plan, const PathTracer& paths, const BakeOptions& opti
     plan.placement.moved += placed.moved;
     plan.placement.invalid += placed.invalid;
     plan.placement.rays += placed.rays;
+    if (steering.may_refine && plan.volume.has_cells()) {
+        const auto leave = [&](std::size_t blocks, const std::string& where, const std::string& evidence) {
+            if (blocks == 0) return;
+            plan.left_out.push_back({fmt::format("finer grids {}", where), evidence,
+                                     fmt::format("about {} probes", blocks * probes_per_brick)});
+        };
+        leave(plan.steering->open_blocks, fmt::format("in {} blocks of up to 8 cells", plan.steering->open_blocks),
+              plan.steering->why_refined);
+        leave(plan.steering->solid_blocks, fmt::format("in {} blocks inside solids", plan.steering->solid_blocks),
+              "no point in them is free");
+    }
     set_bands(plan.volume, plan.steering->bands);
     plan.stages.push_back({"refine", watch.seconds(), placed.rays + counts.rays + counts.shadow_rays});
 }

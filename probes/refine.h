@@ -19,6 +19,7 @@ struct Block {
     glm::ivec3 at{0};   // its first cell is 2 at
     double square = 0;  // its part of the squared error of interpolation; an unbiased estimate: negative at times
     int points = 0;     // that it is from
+    int open = 0;       // of these, in free space
     bool divided = false;
 };
 

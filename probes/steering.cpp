@@ -17,7 +17,7 @@ namespace lightgrid {
 namespace {
 
 /// What the random numbers are for: each has a stream of its own.
-enum Stream : std::uint64_t { noise, probe_light, places, place_light, bands };
+enum Stream : std::uint64_t { noise, probe_light, places, place_light, bands, check };
 
 constexpr int most_levels = 5;
 /// Of a pilot's gathers; probes and points of their own need no more to tell where interpolation fails.
@@ -27,12 +27,15 @@ constexpr std::uint32_t most_samples = 1U << 20;
 /// Expected of a division where none has been made: between what smooth light (16) and an edge (2) give.
 constexpr double first_gain = 4;
 constexpr double least_gain = 1.5;
-/// Without an error asked for: twice the probes have to make the error this much smaller.
+/// Bands that leave more than this of the error are not worth their place.
 constexpr double worthwhile = 0.87;
+/// The error has to fall at least as this power of the probes: with half of what a straight edge gives (1/4: twice as
+/// fine takes four times as many along it, and halves the square), noise of the estimate included.
+constexpr double least_yield = 0.125;
 /// Further points in a block, at most, for each that it has anyway.
 constexpr int most_more = 8;
 constexpr int most_confirmations = 4;
-constexpr std::size_t band_points = 256;
+constexpr std::size_t band_points = 512;
 constexpr std::uint32_t band_samples = 512;
 constexpr int most_bands = 5;
 /// Of the bake's held-out points, in spacings.
@@ -73,7 +76,8 @@ class Pilot {
 
     void run(const std::function<void(double)>& progress) {
         const std::vector<std::size_t> slots = valid_slots(volume_);
-        law_ = measure_noise(paths_, places_of(volume_, slots), rays_, mix_bits(options_.seed, noise), result_.counts);
+        first_points_ = places_of(volume_, slots);
+        law_ = measure_noise(paths_, first_points_, rays_, mix_bits(options_.seed, noise), result_.counts);
         if (!volume_.has_cells() || slots.empty()) {
             if (options_.seconds) light_up(volume_, slots, samples_for(law_, 1, most_samples));
             const double goal = options_.target.seconds ? 0.0 : aimed_error(options_.target);
@@ -93,6 +97,10 @@ class Pilot {
         choose_bands();
         refine(progress);
         result_.interpolation = expected_;
+        for (const Block& block : blocks_) {
+            if (block.divided) continue;
+            ++(block.open > 0 ? result_.open_blocks : result_.solid_blocks);
+        }
         const double rest = std::hypot(result_.interpolation, bands_left());
         choose_samples(noise_goal(options_.target, rest));
     }
@@ -258,7 +266,10 @@ class Pilot {
             for (const Place& place : drawn) open_ += place.open ? place.share : 0;
         }
         std::vector<int> count(blocks_.size());
-        for (const Place& place : drawn) count[place.block] = place.points;
+        for (const Place& place : drawn) {
+            count[place.block] = place.points;
+            blocks_[place.block].open += place.open ? 1 : 0;
+        }
         double sum = 0;
         for (const std::size_t b : blocks) {
             const double square = energy_ > 0 ? squares[b] / energy_ : 0.0;
@@ -327,6 +338,12 @@ class Pilot {
                 result_.why_refined = fmt::format("interpolation leaves {}", percent(expected_));
                 return;
             }
+            if (buys_too_little()) {
+                result_.why_refined = fmt::format(
+                    "interpolation leaves {}, and more probes would hardly lower it: walls leak, or edges are sharp",
+                    percent(expected_));
+                return;
+            }
             const double known = interpolation();
             const double aim = goal * goal * std::min(1.0, known * known / std::max(expected_ * expected_, 1e-30));
             const Division division = choose_blocks(blocks_, levels_left_, gain, aim, probes_left());
@@ -340,6 +357,16 @@ class Pilot {
             const double after = look(undivided(first), 8);
             gain = std::clamp(before / std::max(after, before / first_gain), least_gain, first_gain);
         }
+    }
+
+    /// The last division hardly lowered the error. Where it is much larger than it was, new points found what all others
+    /// had missed, and there is more to do.
+    [[nodiscard]] bool buys_too_little() const {
+        if (result_.rounds.size() < 2) return false;
+        const Round& last = result_.rounds[result_.rounds.size() - 2];
+        const double fallen = std::log(last.interpolation / expected_);
+        return std::abs(fallen) <
+               std::max(least_yield * std::log(static_cast<double>(probes_) / static_cast<double>(last.probes)), 0.01);
     }
 
     /// That may be added: what the limit leaves, or the time at the rate that it has taken so far for each.
@@ -400,6 +427,17 @@ class Pilot {
     /// Of a probe's variance, what is left of it where eight probes are interpolated: the mean of squared weights.
     static constexpr double corner_share = 8.0 / 27;
 
+    /// How much more variance than the law foretells there is with so many rays; 1 where it is less, or where looking
+    /// would cost too much.
+    double beyond_law(double samples) {
+        const std::uint32_t rays = whole_replicates(samples, most_pilot_samples);
+        const double foretold = law_.at(rays);
+        if (rays >= most_pilot_samples || !(foretold > 0)) return 1;
+        const double variance =
+            variance_at(paths_, first_points_, rays_, rays, mix_bits(options_.seed, check), result_.counts);
+        return std::max(variance / foretold, 1.0);
+    }
+
     /// For noise at points (relRMSE): the variance of a level's probes counts by the space that they answer for, and
     /// rays go where they take most of it.
     void choose_samples(double goal) {
@@ -420,7 +458,11 @@ class Pilot {
             wanted[level] = std::pow(part / noise.probes, 1 / (1 + law_.exponent));
             if (wanted[level] > 0) variance += part * std::pow(wanted[level], -law_.exponent);
         }
-        const double scale = goal > 0 ? std::pow(variance / (goal * goal), 1 / law_.exponent) : most_samples;
+        double scale = most_samples;
+        if (goal > 0) {
+            scale = std::pow(variance / (goal * goal), 1 / law_.exponent);
+            scale *= std::pow(beyond_law(scale * wanted.front()), 1 / law_.exponent);
+        }
         for (const double rays : wanted) result_.samples.push_back(whole_replicates(scale * rays, most_samples));
         result_.why_samples = fmt::format("for a noise of {} at points", percent(goal));
     }
@@ -431,6 +473,7 @@ class Pilot {
     Steering& result_;
     GatherRays rays_;
     NoiseLaw law_;
+    std::vector<glm::vec3> first_points_;  // of the probes before any is added
     std::vector<Block> blocks_;
     std::vector<int> finer_;  // by grid: that at half its spacing, or -1
     std::vector<int> levels_left_;

@@ -39,6 +39,8 @@ struct Steering {
     double seconds_per_sample = 0;       // of a gather, on all threads together
     std::vector<int> levels;             // by grid: how often its spacing was halved
     std::vector<Round> rounds;
+    std::size_t open_blocks = 0;   // that stay as they are: interpolation serves there, or costs less than elsewhere
+    std::size_t solid_blocks = 0;  // the same: no point in them is free
     std::string why_bands, why_refined, why_samples;
     PathCounts counts;
     PlacementCounts placed;  // probes that were added

@@ -11,8 +11,8 @@ namespace {
 constexpr std::size_t pilot_points = 512;
 /// Replicates pool over all points, so that few will do.
 constexpr std::uint32_t pilot_replicates = 4;
-constexpr std::uint32_t few_rays = 32;  // per replicate
-constexpr std::uint32_t more_rays = 128;
+constexpr std::uint32_t few_samples = 512;
+constexpr std::uint32_t more_samples = 2048;
 /// Evenly spread rays do no better than this where light has edges.
 constexpr double steepest = 1.5;
 constexpr std::uint32_t least_rays_per_replicate = 4;
@@ -52,25 +52,27 @@ double relative_variance(const Gather& gather) noexcept {
     return energy > 0 ? variance / energy : 0.0;
 }
 
-NoiseLaw measure_noise(const PathTracer& paths, std::span<const glm::vec3> points, const GatherRays& rays,
-                       std::uint64_t seed, PathCounts& counts) {
+double variance_at(const PathTracer& paths, std::span<const glm::vec3> points, const GatherRays& rays,
+                   std::uint32_t samples, std::uint64_t seed, PathCounts& counts) {
+    const std::uint32_t replicates = GatherOptions{}.replicates;
     const std::size_t count = std::min(pilot_points, points.size());
     std::vector<glm::vec3> some;
     for (std::size_t i = 0; i < count; ++i) some.push_back(points[i * points.size() / count]);
-    const auto variance_of_replicate = [&](std::uint32_t rays_per_replicate) {
-        GatherOptions options;
-        options.replicates = pilot_replicates;
-        options.samples = pilot_replicates * rays_per_replicate;
-        options.seed = mix_bits(seed, rays_per_replicate);
-        options.rays = rays;
-        return pilot_replicates * relative_variance(gather(paths, some, options, &counts));
-    };
-    const std::uint32_t replicates = GatherOptions{}.replicates;
-    const double few = variance_of_replicate(few_rays) / replicates;
-    const double more = variance_of_replicate(more_rays) / replicates;
-    NoiseLaw law{more, more_rays * replicates, 1};
+    GatherOptions options;
+    options.replicates = pilot_replicates;
+    options.samples = samples / replicates * pilot_replicates;
+    options.seed = mix_bits(seed, samples);
+    options.rays = rays;
+    return relative_variance(gather(paths, some, options, &counts)) * pilot_replicates / replicates;
+}
+
+NoiseLaw measure_noise(const PathTracer& paths, std::span<const glm::vec3> points, const GatherRays& rays,
+                       std::uint64_t seed, PathCounts& counts) {
+    const double few = variance_at(paths, points, rays, few_samples, seed, counts);
+    const double more = variance_at(paths, points, rays, more_samples, seed, counts);
+    NoiseLaw law{more, more_samples, 1};
     if (more > 0) {
-        law.exponent = std::clamp(std::log(few / more) / std::log(double{more_rays} / few_rays), 1.0, steepest);
+        law.exponent = std::clamp(std::log(few / more) / std::log(double{more_samples} / few_samples), 1.0, steepest);
     }
     return law;
 }

@@ -45,8 +45,12 @@ struct NoiseLaw {
 /// Summed variance of irradiance over its summed square, over all directions of all points of a gather.
 [[nodiscard]] double relative_variance(const Gather& gather) noexcept;
 
-/// From a pilot at up to 512 of the points, with random numbers of its own: counts that are decided from the numbers that
-/// are then averaged would bias both mean and error.
+/// Relative variance with `samples` rays, from a few replicates of a pilot at up to 512 of the points, with random numbers
+/// of its own: counts that are decided from the numbers that are then averaged would bias both mean and error.
+[[nodiscard]] double variance_at(const PathTracer& paths, std::span<const glm::vec3> points, const GatherRays& rays,
+                                 std::uint32_t samples, std::uint64_t seed, PathCounts& counts);
+
+/// From two such pilots.
 [[nodiscard]] NoiseLaw measure_noise(const PathTracer& paths, std::span<const glm::vec3> points, const GatherRays& rays,
                                      std::uint64_t seed, PathCounts& counts);
 

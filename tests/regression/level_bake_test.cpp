@@ -411,6 +411,64 @@ TEST_F(LevelBake, FewProbesAreGatheredByPathsEvenWhereACacheIsAskedFor) {
     EXPECT_EQ(bytes("path.exr"), bytes("cache.exr"));
 }
 
+// ---- Targets
+
+TEST_F(LevelBake, MeetsAnErrorByFinerGridsWithTheSameBytesForAnyNumberOfThreads) {
+    // Without the lamp and what is next to it: single points there decide what is measured.
+    const std::string call = cornell + " --volume 0.3,0.3,0.3,5.2,3,5.2 --max-error 8% --strict --quiet";
+    ASSERT_EQ(run(call + " --threads 2 -o two.exr --report-json report.json").status, 0);
+    const auto report = nlohmann::json::parse(bytes("report.json"));
+    EXPECT_TRUE(report["error"]["target_met"].get<bool>());
+    EXPECT_LT(report["error"]["interval"][1], 0.08);
+    EXPECT_GT(report["target"]["rounds"][0]["interpolation"], report["target"]["rounds"].back()["interpolation"]);
+    ASSERT_GE(report["grids"].size(), 2U);
+    for (int axis = 0; axis < 3; ++axis) {
+        EXPECT_EQ(report["grids"][1]["spacing"][axis], report["grids"][0]["spacing"][axis].get<double>() / 2);
+    }
+    ASSERT_EQ(run(call + " --threads 1 -o one.exr").status, 0);
+    EXPECT_EQ(bytes("one.exr"), bytes("two.exr"));
+    check_volume(load_volume(folder() / "one.exr"));
+}
+
+TEST_F(LevelBake, WithoutATargetAimsAtTheDefaultForAllButBands) {
+    write_floor("floor.glb");
+    const Result result = run("floor.glb --sky 1,1,1 --volume=-0.9,0.2,-0.9,0.9,1,0.9 --json --quiet");
+    ASSERT_EQ(result.status, 0) << result.err;
+    const auto summary = nlohmann::json::parse(result.out);
+    EXPECT_EQ(summary["target"]["error_without_bands"], 0.02);
+    EXPECT_TRUE(summary["error"]["target_met"].get<bool>()) << summary["target"];
+    EXPECT_EQ(summary["bands"], 3);
+    EXPECT_GT(summary["error"]["parts"]["bands"]["relrmse"], 0.0) << "what the missing bands cost";
+}
+
+TEST_F(LevelBake, SaysWhyAnErrorIsNotReachedAndWritesTheVolume) {
+    const std::string call = cornell + " --max-error 4% --spacing 1 --report-json report.json";
+    const Result result = run(call);
+    EXPECT_EQ(result.status, 0);
+    EXPECT_NE(result.err.find("target not reached: interpolation "), std::string::npos) << result.err;
+    EXPECT_FALSE(nlohmann::json::parse(bytes("report.json"))["error"]["target_met"].get<bool>());
+    fs::remove(folder() / "cornell.probes.exr");
+    EXPECT_EQ(run(call + " --strict").status, 1);
+    EXPECT_EQ(load_volume(folder() / "cornell.probes.exr").grids.size(), 1U) << "the spacing was given";
+}
+
+TEST_F(LevelBake, TheTargetOfAListIsForItsProbes) {
+    write("points.csv", "x,y,z\n1,1,1\n2,3,1\n");
+    const Result result = run(cornell + " --max-error 3% --probes points.csv --json --report-json report.json");
+    ASSERT_EQ(result.status, 0) << result.err;
+    const auto summary = nlohmann::json::parse(result.out);
+    EXPECT_TRUE(summary["error"]["target_met"].get<bool>()) << summary["target"];
+    EXPECT_LT(summary["noise"], 0.03);
+    EXPECT_FALSE(summary["error"]["not_measured"].get<std::string>().empty());
+}
+
+TEST_F(LevelBake, TargetsExcludeEachOther) {
+    expect_refused("a.glb --samples 64 --max-error 2%", "exclude each other");
+    expect_refused("a.glb --max-error 2", "2 is not a percentage");
+    expect_refused("a.glb --time-budget 5s", "--time-budget: ");
+    expect_refused("a.glb --samples 64 --strict", "--strict needs an error to reach");
+}
+
 // ---- What another version will have
 
 TEST_F(LevelBake, RefusesByNameWhatIsNotInThisVersion) {
