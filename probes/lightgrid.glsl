@@ -1,0 +1,222 @@
+// Light of a baked volume in shaders: GLSL 3.30, no extension. README.md beside this file says how to upload a volume.
+//
+//     #define LIGHTGRID_BANDS 3      // of the uploaded textures, 1 to 3; 3 where it is not defined
+//     #include "lightgrid.glsl"
+//     ...
+//     LightgridLight light = lightgrid_light(position + bias * normal);
+//     vec3 radiance = albedo / pi * max(lightgrid_irradiance(light, normal), 0.0);
+//
+// Positions are metres relative to the `origin` of the packed textures, axes those of the level. Irradiance is in lux,
+// linear Rec.709. lightgrid_light finds what the C++ Sampler finds (probes/sampler.h says what that is), with its weights
+// in float: eight probes by texelFetch, those that are not valid left out. lightgrid_filtered_light reads the plain
+// textures that hardware filters.
+
+#ifndef LIGHTGRID_BANDS
+#define LIGHTGRID_BANDS 3
+#endif
+
+#if LIGHTGRID_BANDS == 3
+#define LIGHTGRID_TEXELS 7
+#elif LIGHTGRID_BANDS == 2
+#define LIGHTGRID_TEXELS 4
+#else
+#define LIGHTGRID_TEXELS 1
+#endif
+
+// VolumeTextures: all that lightgrid_light needs.
+uniform sampler2D lightgrid_grids;
+uniform usampler2D lightgrid_index;
+uniform sampler3D lightgrid_atlas;
+
+// FilteredTextures: all that lightgrid_filtered_light needs.
+uniform sampler3D lightgrid_filtered[LIGHTGRID_TEXELS];
+uniform vec3 lightgrid_filtered_scale;
+uniform vec3 lightgrid_filtered_offset;
+uniform float lightgrid_filtered_gain;
+
+// SH coefficients of incident radiance, in the order of texels_per_probe.
+struct LightgridLight {
+    vec4 texels[LIGHTGRID_TEXELS];
+    float known;  // share of weight that valid probes carried, before renormalisation; 0: no light is known here
+};
+
+// The probes around a position and how much each says. Weights sum to 1, or there is no probe.
+struct LightgridCorners {
+    ivec3 texels[8];   // a probe's first texel in the atlas
+    vec4 last[8];      // its last one
+    float scales[8];   // what texels are multiplied by
+    float weights[8];  // 0: says nothing, and the rest of it means nothing
+    int count;         // of probes that say something
+    float known;
+};
+
+// The point of a grid that is nearest to a position.
+struct LightgridCell {
+    ivec3 lower;             // probe at the lower corner
+    vec3 share;              // how far it is from there to the upper one
+    float squared_distance;  // from the position; exactly 0 within the grid
+    ivec2 first;             // brick of the grid in the index
+    ivec3 bricks;            // of the grid's lattice
+};
+
+LightgridCell lightgrid_cell(int grid, vec3 position) {
+    vec4 origin = texelFetch(lightgrid_grids, ivec2(0, grid), 0);
+    vec4 inverse_spacing = texelFetch(lightgrid_grids, ivec2(1, grid), 0);
+    vec3 counts = vec3(texelFetch(lightgrid_grids, ivec2(2, grid), 0));
+
+    // What is an integer but for rounding becomes one, so that probes answer for themselves and the far faces belong to
+    // the grid.
+    vec3 exact = (position - vec3(origin)) * vec3(inverse_spacing);
+    vec3 slack = 2.4e-7f * ((abs(position) + abs(vec3(origin))) * vec3(inverse_spacing) + abs(exact));
+    vec3 inside = clamp(exact, vec3(0.0f), counts - 1.0f);
+    vec3 beyond = abs(exact - inside);
+    beyond *= vec3(greaterThan(beyond, slack)) / vec3(inverse_spacing);
+    vec3 nearest = floor(inside + 0.5f);
+    inside = mix(inside, nearest, vec3(lessThanEqual(abs(inside - nearest), slack)));
+
+    LightgridCell cell;
+    cell.lower = ivec3(inside);
+    cell.share = inside - vec3(cell.lower);
+    cell.squared_distance = dot(beyond, beyond);
+    cell.first = ivec2(int(origin.w), int(inverse_spacing.w));
+    cell.bricks = (ivec3(counts) + 3) >> 2;
+    return cell;
+}
+
+LightgridCorners lightgrid_no_corners() {
+    LightgridCorners none;
+    for (int i = 0; i < 8; ++i) {
+        none.texels[i] = ivec3(0);
+        none.last[i] = vec4(0.0f);
+        none.scales[i] = 0.0f;
+        none.weights[i] = 0.0f;
+    }
+    none.count = 0;
+    none.known = 0.0f;
+    return none;
+}
+
+// No corners if one that would carry weight is not stored.
+LightgridCorners lightgrid_cell_corners(LightgridCell cell) {
+    LightgridCorners result = lightgrid_no_corners();
+    float filled = 0.0f;
+    for (int i = 0; i < 8; ++i) {
+        ivec3 upper = ivec3(i & 1, (i >> 1) & 1, i >> 2);
+        vec3 factors = mix(1.0f - cell.share, cell.share, vec3(upper));
+        float weight = factors.x * factors.y * factors.z;
+        if (weight == 0.0f) continue;
+        ivec3 probe = cell.lower + upper;
+        ivec3 brick = probe >> 2;
+        int number = cell.first.x + (brick.z * cell.bricks.y + brick.y) * cell.bricks.x + brick.x;
+        uvec4 entry = texelFetch(lightgrid_index, ivec2(number & 2047, cell.first.y + (number >> 11)), 0);
+        if (entry.w == 0u) return lightgrid_no_corners();
+        ivec3 texel = ivec3(entry) * 4 + (probe & 3);
+        texel.x *= LIGHTGRID_TEXELS;
+        vec4 last = texelFetch(lightgrid_atlas, texel + ivec3(LIGHTGRID_TEXELS - 1, 0, 0), 0);
+        result.texels[i] = texel;
+        result.last[i] = last;
+        result.scales[i] = exp2(float(int(entry.w) - 127));
+        result.weights[i] = weight;
+        if (last.w > 1.5f) {
+            result.known += weight;
+        } else if (last.w > 0.5f) {
+            filled += weight;
+        }
+    }
+    // Valid probes answer; where there is none, filled ones do.
+    float least = result.known > 0.0f ? 1.5f : 0.5f;
+    float sum = result.known > 0.0f ? result.known : filled;
+    for (int i = 0; i < 8; ++i) {
+        bool answers = result.weights[i] > 0.0f && result.last[i].w > least;
+        result.weights[i] = answers ? result.weights[i] / sum : 0.0f;
+        result.count += int(answers);
+    }
+    return result;
+}
+
+// The finest grid that knows an answer gives it; outside of all grids, the nearest point of the nearest one.
+LightgridCorners lightgrid_corners(vec3 position) {
+    LightgridCorners found = lightgrid_no_corners();
+    LightgridCell nearest = lightgrid_cell(0, position);
+    int grids = textureSize(lightgrid_grids, 0).y;
+    for (int grid = 0; grid < grids; ++grid) {
+        LightgridCell cell = lightgrid_cell(grid, position);
+        if (cell.squared_distance < nearest.squared_distance) nearest = cell;
+        if (cell.squared_distance > 0.0f) continue;
+        LightgridCorners candidate = lightgrid_cell_corners(cell);
+        if (found.count == 0 || candidate.known > 0.0f) found = candidate;
+        if (found.known > 0.0f) break;
+    }
+    if (nearest.squared_distance > 0.0f) found = lightgrid_cell_corners(nearest);
+    return found;
+}
+
+LightgridLight lightgrid_interpolate(LightgridCorners corners) {
+    LightgridLight light;
+    for (int t = 0; t < LIGHTGRID_TEXELS; ++t) light.texels[t] = vec4(0.0f);
+    for (int i = 0; i < 8; ++i) {
+        float weight = corners.weights[i] * corners.scales[i];
+        if (weight == 0.0f) continue;
+        for (int t = 0; t < LIGHTGRID_TEXELS - 1; ++t) {
+            light.texels[t] += weight * texelFetch(lightgrid_atlas, corners.texels[i] + ivec3(t, 0, 0), 0);
+        }
+        light.texels[LIGHTGRID_TEXELS - 1] += weight * corners.last[i];
+    }
+    light.known = corners.known;
+    return light;
+}
+
+LightgridLight lightgrid_light(vec3 position) {
+    return lightgrid_interpolate(lightgrid_corners(position));
+}
+
+LightgridLight lightgrid_filtered_light(vec3 position) {
+    vec3 at = position * lightgrid_filtered_scale + lightgrid_filtered_offset;
+    LightgridLight light;
+    light.texels[0] = texture(lightgrid_filtered[0], at);
+#if LIGHTGRID_BANDS > 1
+    light.texels[1] = texture(lightgrid_filtered[1], at);
+    light.texels[2] = texture(lightgrid_filtered[2], at);
+    light.texels[3] = texture(lightgrid_filtered[3], at);
+#endif
+#if LIGHTGRID_BANDS > 2
+    light.texels[4] = texture(lightgrid_filtered[4], at);
+    light.texels[5] = texture(lightgrid_filtered[5], at);
+    light.texels[6] = texture(lightgrid_filtered[6], at);
+#endif
+    light.known = light.texels[LIGHTGRID_TEXELS - 1].w;
+    for (int t = 0; t < LIGHTGRID_TEXELS; ++t) light.texels[t] *= lightgrid_filtered_gain;
+    return light;
+}
+
+// The sum of all coefficients times their basis functions at a unit direction, each band times a factor: radiance with
+// factors of 1, irradiance with those of the cosine lobe, fewer bands with zeros.
+vec3 lightgrid_evaluate(LightgridLight light, vec3 direction, vec3 factors) {
+#if LIGHTGRID_BANDS == 1
+    return 0.28209479f * factors.x * vec3(light.texels[0]);
+#else
+    float x = direction.x;
+    float y = direction.y;
+    float z = direction.z;
+    vec4 low = vec4(0.28209479f * factors.x, 0.48860251f * factors.y * vec3(y, z, x));
+#if LIGHTGRID_BANDS == 2
+    return vec3(dot(light.texels[0], low), dot(light.texels[1], low), dot(light.texels[2], low));
+#else
+    vec4 high = factors.z * vec4(1.0925484f * x * y, 1.0925484f * y * z, 0.31539157f * (3.0f * z * z - 1.0f),
+                                 1.0925484f * x * z);
+    float last = factors.z * 0.54627422f * (x * x - y * y);
+    return vec3(dot(light.texels[0], low) + dot(light.texels[1], high),
+                dot(light.texels[2], low) + dot(light.texels[3], high),
+                dot(light.texels[4], low) + dot(light.texels[5], high)) +
+           last * vec3(light.texels[6]);
+#endif
+#endif
+}
+
+// pi, 2 pi / 3, pi / 4: convolution with the clamped cosine (Ramamoorthi and Hanrahan 2001).
+const vec3 lightgrid_cosine_lobe = vec3(3.1415927f, 2.0943951f, 0.78539816f);
+
+// On a surface that faces `normal`. Negative where three bands ring: clamp where it is used.
+vec3 lightgrid_irradiance(LightgridLight light, vec3 normal) {
+    return lightgrid_evaluate(light, normal, lightgrid_cosine_lobe);
+}

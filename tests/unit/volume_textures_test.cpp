@@ -1,0 +1,311 @@
+#include "probes/volume_textures.h"
+
+#include "core/error.h"
+#include "core/sh.h"
+#include "probes/half_storage.h"
+#include "probes/sampler.h"
+#include "tests/unit/glsl_on_cpu.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <random>
+
+namespace one_band {
+#define LIGHTGRID_BANDS 1
+#include "tests/unit/glsl_program.inl"
+}  // namespace one_band
+namespace two_bands {
+#define LIGHTGRID_BANDS 2
+#include "tests/unit/glsl_program.inl"
+}  // namespace two_bands
+namespace three_bands {
+#define LIGHTGRID_BANDS 3
+#include "tests/unit/glsl_program.inl"
+}  // namespace three_bands
+
+namespace lightgrid {
+namespace {
+
+glsl::Shader shader_of(int bands) {
+    return bands == 1 ? one_band::program() : bands == 2 ? two_bands::program() : three_bands::program();
+}
+
+/// Light that is different at every probe and bright enough in band 0 for irradiance to be positive; states by `state`.
+template <typename State>
+Volume random_volume(std::vector<Grid> grids, int bands, State state) {
+    Volume volume = make_volume(std::move(grids), bands);
+    std::mt19937 random(11);
+    std::uniform_real_distribution<float> uniform(-1, 1);
+    for (std::size_t slot = 0; slot < volume.slots(); ++slot) {
+        if (volume.states[slot] == ProbeState::absent) continue;
+        volume.states[slot] = state(random);
+        const float brightness = std::exp2(4 * uniform(random));
+        for (std::size_t i = 0; i < volume.sh_size(); ++i) {
+            const glm::vec3 noise(uniform(random), uniform(random), uniform(random));
+            volume.coefficients[slot * volume.sh_size() + i] = brightness * (i == 0 ? 3.0F + noise : 0.5F * noise);
+        }
+    }
+    check_volume(volume);
+    return volume;
+}
+
+ProbeState all_valid(std::mt19937&) {
+    return ProbeState::valid;
+}
+
+/// Half of the probes are invalid, so that cells of all kinds occur.
+ProbeState any_state(std::mt19937& random) {
+    constexpr std::array<ProbeState, 6> states{ProbeState::valid,  ProbeState::valid,  ProbeState::moved,
+                                               ProbeState::filled, ProbeState::filled, ProbeState::missing};
+    return states[random() % states.size()];
+}
+
+/// Takes every third brick away.
+void thin_out(Volume& volume) {
+    Volume thinned = volume;
+    thinned.bricks.clear();
+    thinned.states.clear();
+    thinned.coefficients.clear();
+    for (std::size_t b = 0; b < volume.bricks.size(); ++b) {
+        if (b % 3 == 1) continue;
+        thinned.bricks.push_back(volume.bricks[b]);
+        for (std::size_t p = 0; p < probes_per_brick; ++p) {
+            const std::size_t slot = b * probes_per_brick + p;
+            thinned.states.push_back(volume.states[slot]);
+            const auto sh = volume.sh(slot);
+            thinned.coefficients.insert(thinned.coefficients.end(), sh.begin(), sh.end());
+        }
+    }
+    thinned.errors.assign(thinned.coefficients.size(), glm::vec3(0));
+    thinned.axis_errors.assign(6 * thinned.states.size(), glm::vec3(0));
+    check_volume(thinned);
+    volume = std::move(thinned);
+}
+
+struct Query {
+    glm::vec3 position;  // relative to the textures' origin
+    glm::vec3 normal;
+};
+
+/// Points in and around the grids' box.
+std::vector<Query> random_queries(const Volume& volume, glm::dvec3 origin, int count) {
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> uniform(-0.1, 1.1);
+    std::normal_distribution<float> normal;
+    std::vector<Query> queries;
+    for (int i = 0; i < count; ++i) {
+        const Grid& grid = volume.grids[static_cast<std::size_t>(i) % volume.grids.size()];
+        const glm::dvec3 share(uniform(random), uniform(random), uniform(random));
+        const glm::dvec3 position = grid.origin + share * (grid.spacing * glm::dvec3(grid.counts - 1));
+        queries.push_back(
+            {glm::vec3(position - origin), glm::normalize(glm::vec3(normal(random), normal(random), normal(random)))});
+    }
+    return queries;
+}
+
+/// The largest difference of irradiance from the Sampler's, relative to the mean irradiance at the point.
+struct Difference {
+    double largest = 0;
+    double mean = 0;
+};
+Difference compare(const Volume& volume, glm::dvec3 origin, glm::vec3 (*shader)(glm::vec3, glm::vec3),
+                   int bands = max_texture_bands) {
+    const Sampler sampler(volume);
+    const std::vector<Query> queries = random_queries(volume, origin, 10000);
+    Difference result;
+    for (const Query& query : queries) {
+        std::vector<glm::vec3> sh = sampler.sample(origin + glm::dvec3(query.position)).sh;
+        sh.resize(std::min<std::size_t>(sh.size(), sh_size(bands)));
+        const glm::vec3 wanted = irradiance_from_sh(sh, query.normal);
+        const glm::vec3 got = shader(query.position, query.normal);
+        const double local = glm::length(glm::dvec3(sh[0])) * std::sqrt(std::acos(-1.0)) / 2;
+        const double difference = glm::distance(glm::dvec3(got), glm::dvec3(wanted));
+        const double relative = local > 0 ? difference / local : difference;
+        EXPECT_FALSE(std::isnan(relative));
+        result.largest = std::max(result.largest, relative);
+        result.mean += relative / static_cast<double>(queries.size());
+    }
+    return result;
+}
+
+const Grid fine{{-3.3, 7.1, 100.7}, {0.31, 0.4, 0.29}, {10, 6, 14}};
+const Grid coarse{{-5.1, 6.2, 99}, {1.3, 1.1, 1.7}, {8, 7, 5}};
+
+TEST(VolumeTextures, AnswerAsTheSamplerDoes) {
+    for (int bands = 1; bands <= 3; ++bands) {
+        for (const bool sparse : {false, true}) {
+            Volume volume = random_volume({coarse, fine}, bands, any_state);
+            if (sparse) thin_out(volume);
+            const glsl::Shader shader = shader_of(bands);
+            const VolumeTextures textures = pack_volume(volume);
+            EXPECT_EQ(textures.bands, bands);
+            shader.bind(textures);
+            EXPECT_LT(compare(volume, textures.origin, shader.irradiance).largest, 1e-3) << bands << " bands";
+        }
+    }
+}
+
+TEST(VolumeTextures, KnowHowMuchOfTheLightIsKnown) {
+    Volume volume = random_volume({coarse, fine}, 1, any_state);
+    thin_out(volume);
+    const glsl::Shader shader = shader_of(1);
+    const VolumeTextures textures = pack_volume(volume);
+    shader.bind(textures);
+    const Sampler sampler(volume);
+    int partly = 0;
+    for (const Query& query : random_queries(volume, textures.origin, 1000)) {
+        const float known = sampler.sample(textures.origin + glm::dvec3(query.position)).weight;
+        EXPECT_NEAR(shader.known(query.position), known, 1e-4);
+        partly += known > 0 && known < 1 ? 1 : 0;
+    }
+    EXPECT_GT(partly, 100);
+}
+
+TEST(VolumeTextures, AnswerAtProbesAndOnFarFaces) {
+    // With spacings and origins that no float holds, positions of probes are off by rounding in the shader.
+    Volume volume = random_volume({coarse, fine}, 1, any_state);
+    thin_out(volume);
+    const Sampler sampler(volume);
+    const glsl::Shader shader = shader_of(1);
+    const VolumeTextures textures = pack_volume(volume);
+    shader.bind(textures);
+    for (std::size_t slot = 0; slot < volume.slots(); ++slot) {
+        if (volume.states[slot] == ProbeState::absent) continue;
+        const glm::dvec3 place = lattice_position(volume, slot);
+        const glm::vec3 wanted = sampler.irradiance(place, {0, 1, 0});
+        const glm::vec3 got = shader.irradiance(glm::vec3(place - textures.origin), {0, 1, 0});
+        EXPECT_NEAR(glm::distance(got, wanted), 0, 1e-3 * glm::length(wanted)) << "slot " << slot;
+    }
+}
+
+TEST(VolumeTextures, HoldALargeLevelFarFromZero) {
+    const Grid wide{{12345.6, -20, 54321.7}, {0.5, 0.7, 0.6}, {130, 9, 110}};
+    const Volume volume = random_volume({wide}, 3, all_valid);
+    const glsl::Shader shader = shader_of(3);
+    const VolumeTextures textures = pack_volume(volume);
+    shader.bind(textures);
+    EXPECT_LT(compare(volume, textures.origin, shader.irradiance).largest, 1e-3);
+    for (const TextureImage* image : {&textures.grids, &textures.index, &textures.atlas}) {
+        EXPECT_TRUE(glm::all(glm::lessThanEqual(image->size, glm::ivec3(max_texture_size))));
+        EXPECT_EQ(image->texels.size(), texel_bytes(image->format) * image->size.x * image->size.y * image->size.z);
+    }
+    // A twentieth more than the bricks that are stored, at most.
+    EXPECT_LE(textures.atlas.texels.size(), volume.bricks.size() * probes_per_brick * 7 * 16 * 21 / 20);
+}
+
+TEST(VolumeTextures, FindBricksBehindTheFirstRowOfTheIndex) {
+    const Grid flat{{0, 0, 0}, {1, 1, 1}, {320, 5, 301}};  // 80 x 2 x 76 bricks
+    Volume volume = make_volume({{{0, 0, 0}, {1000, 1, 1000}, {2, 2, 2}}, flat}, 1);
+    for (std::size_t slot = 0; slot < volume.slots(); ++slot) {
+        volume.coefficients[slot] = glm::vec3(lattice_position(volume, slot)) + 1.0F;
+    }
+    const glsl::Shader shader = shader_of(1);
+    const VolumeTextures textures = pack_volume(volume, {.origin = glm::dvec3(0)});
+    shader.bind(textures);
+    for (const Query& query : random_queries(volume, {0, 0, 0}, 1000)) {
+        const glm::vec3 inside = glm::clamp(query.position, glm::vec3(0), glm::vec3(319, 4, 300));
+        if (inside != query.position) continue;
+        const glm::vec3 got = shader.radiance(query.position, {0, 1, 0}) / 0.28209479F;
+        EXPECT_NEAR(glm::distance(got, inside + 1.0F), 0, 1e-3);
+    }
+}
+
+TEST(VolumeTextures, AsHalfAreAsGoodAsHalfIs) {
+    Volume volume = random_volume({coarse, fine}, 3, any_state);
+    // Sunlight in one brick and starlight in another: beyond the range of half without a scale each.
+    for (std::size_t i = 0; i < volume.coefficients.size(); ++i) {
+        const std::size_t brick = i / (9 * probes_per_brick);
+        volume.coefficients[i] *= brick % 2 == 0 ? 1e6F : 1e-6F;
+    }
+    const glsl::Shader shader = shader_of(3);
+    const VolumeTextures textures = pack_volume(volume, {.half = true});
+    EXPECT_EQ(textures.atlas.format, TexelFormat::rgba16f);
+    shader.bind(textures);
+    // 2^-11 of each of nine coefficients: sum_i A_i |Y_i| |L_i| / E_mean <= (1 + 2 + 2) E_mean at most here.
+    EXPECT_LT(compare(volume, textures.origin, shader.irradiance).largest, 5 * 0x1p-11);
+    // What was rounded to half before is the same in both, to the bit: scales are powers of two.
+    store_as_half(volume);
+    const VolumeTextures in_half = pack_volume(volume, {.half = true});
+    const VolumeTextures in_float = pack_volume(volume);
+    for (const Query& query : random_queries(volume, textures.origin, 1000)) {
+        shader.bind(in_half);
+        const glm::vec3 got = shader.irradiance(query.position, query.normal);
+        shader.bind(in_float);
+        EXPECT_EQ(got, shader.irradiance(query.position, query.normal));
+    }
+}
+
+TEST(VolumeTextures, LeaveHigherBandsOut) {
+    const Volume volume = random_volume({fine}, 5, all_valid);
+    for (int bands = 1; bands <= 3; ++bands) {
+        const glsl::Shader shader = shader_of(bands);
+        const VolumeTextures textures = pack_volume(volume, {.bands = bands});
+        EXPECT_EQ(textures.bands, bands);
+        shader.bind(textures);
+        EXPECT_LT(compare(volume, textures.origin, shader.irradiance, bands).largest, 1e-3) << bands << " bands";
+    }
+}
+
+TEST(VolumeTextures, GiveRadianceToo) {
+    const Volume volume = random_volume({fine}, 3, all_valid);
+    const glsl::Shader shader = shader_of(3);
+    const VolumeTextures textures = pack_volume(volume);
+    shader.bind(textures);
+    const Sampler sampler(volume);
+    for (const Query& query : random_queries(volume, textures.origin, 100)) {
+        const Sample sample = sampler.sample(textures.origin + glm::dvec3(query.position));
+        const glm::vec3 wanted = evaluate_sh(sample.sh, query.normal);
+        EXPECT_NEAR(glm::distance(shader.radiance(query.position, query.normal), wanted), 0,
+                    1e-3 * glm::length(sample.sh[0]));
+    }
+}
+
+TEST(VolumeTextures, RefuseAProbeList) {
+    const Volume list = make_probe_list({{0, 0, 0}}, 3);
+    EXPECT_THROW(static_cast<void>(pack_volume(list)), Error);
+    EXPECT_THROW(static_cast<void>(pack_filtered(list)), Error);
+}
+
+TEST(FilteredTextures, AnswerAsTheSamplerDoesWhereAllProbesAreValid) {
+    for (int bands = 1; bands <= 3; ++bands) {
+        const Volume volume = random_volume({fine}, bands, all_valid);
+        const glsl::Shader shader = shader_of(bands);
+        for (const bool half : {false, true}) {
+            const FilteredTextures textures = pack_filtered(volume, {.half = half});
+            ASSERT_EQ(textures.probes.size(), static_cast<std::size_t>(texels_per_probe(bands)));
+            EXPECT_EQ(textures.probes[0].size, fine.counts);
+            shader.bind_filtered(textures);
+            EXPECT_LT(compare(volume, textures.origin, shader.filtered_irradiance).largest, half ? 5 * 0x1p-11 : 1e-3)
+                << bands << " bands";
+        }
+    }
+}
+
+TEST(FilteredTextures, TakeFilledProbesForLight) {
+    Volume volume = make_volume({{{0, 0, 0}, {1, 1, 1}, {2, 2, 2}}}, 1);
+    for (std::size_t slot = 0; slot < volume.slots(); ++slot) {
+        if (volume.states[slot] == ProbeState::absent) continue;
+        const bool upper = lattice_index(volume, slot).y == 1;
+        volume.states[slot] = upper ? ProbeState::filled : ProbeState::valid;
+        volume.coefficients[slot] = glm::vec3(upper ? 3 : 1);
+    }
+    const glsl::Shader shader = shader_of(1);
+    const FilteredTextures textures = pack_filtered(volume, {.origin = glm::dvec3(0)});
+    shader.bind_filtered(textures);
+    const glm::vec3 got = shader.filtered_irradiance({0.5F, 0.25F, 0.5F}, {0, 1, 0});
+    EXPECT_NEAR(got.r, 1.5 * std::sqrt(std::acos(-1.0)) / 2, 1e-5);
+}
+
+TEST(FilteredTextures, RefuseWhatIsNoSingleDenseGrid) {
+    EXPECT_THROW(static_cast<void>(pack_filtered(random_volume({coarse, fine}, 1, all_valid))), Error);
+    Volume sparse = random_volume({fine}, 1, all_valid);
+    EXPECT_TRUE(is_dense(sparse));
+    thin_out(sparse);
+    EXPECT_FALSE(is_dense(sparse));
+    EXPECT_THROW(static_cast<void>(pack_filtered(sparse)), Error);
+}
+
+}  // namespace
+}  // namespace lightgrid
