@@ -135,9 +135,9 @@ VolumeTextures pack_volume(const Volume& volume, const TextureOptions& options) 
         const glm::vec3 origin(grid.origin - result.origin);
         const glm::vec3 inverse(1.0 / grid.spacing);
         const glm::vec3 counts(grid.counts);
+        const std::size_t index_row = lattice / index_width;
         put<float>(result.grids, 3 * row, {origin.x, origin.y, origin.z, static_cast<float>(lattice % index_width)});
-        put<float>(result.grids, 3 * row + 1,
-                   {inverse.x, inverse.y, inverse.z, static_cast<float>(lattice / index_width)});
+        put<float>(result.grids, 3 * row + 1, {inverse.x, inverse.y, inverse.z, static_cast<float>(index_row)});
         put<float>(result.grids, 3 * row + 2, {counts.x, counts.y, counts.z, 0});
         first_of_grid[order[row]] = lattice;
         const glm::ivec3 spanned = lattice_bricks(grid);

@@ -189,7 +189,8 @@ TEST(VolumeTextures, HoldALargeLevelFarFromZero) {
     EXPECT_LT(compare(volume, textures.origin, shader.irradiance).largest, 1e-3);
     for (const TextureImage* image : {&textures.grids, &textures.index, &textures.atlas}) {
         EXPECT_TRUE(glm::all(glm::lessThanEqual(image->size, glm::ivec3(max_texture_size))));
-        EXPECT_EQ(image->texels.size(), texel_bytes(image->format) * image->size.x * image->size.y * image->size.z);
+        const std::size_t texels = std::size_t{1} * image->size.x * image->size.y * image->size.z;
+        EXPECT_EQ(image->texels.size(), texel_bytes(image->format) * texels);
     }
     // A twentieth more than the bricks that are stored, at most.
     EXPECT_LE(textures.atlas.texels.size(), volume.bricks.size() * probes_per_brick * 7 * 16 * 21 / 20);
@@ -216,7 +217,7 @@ TEST(VolumeTextures, AsHalfAreAsGoodAsHalfIs) {
     Volume volume = random_volume({coarse, fine}, 3, any_state);
     // Sunlight in one brick and starlight in another: beyond the range of half without a scale each.
     for (std::size_t i = 0; i < volume.coefficients.size(); ++i) {
-        const std::size_t brick = i / (9 * probes_per_brick);
+        const std::size_t brick = i / 9 / probes_per_brick;
         volume.coefficients[i] *= brick % 2 == 0 ? 1e6F : 1e-6F;
     }
     const glsl::Shader shader = shader_of(3);
