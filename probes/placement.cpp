@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <mutex>
 
 namespace lightgrid {
 namespace {
@@ -385,7 +386,8 @@ bool is_free(const Tracer& tracer, glm::vec3 point, float clearance, const Light
     return !is_inside(point, suspect(look_around(tracer, point), light.has_sky), light);
 }
 
-PlacementCounts place_probes(Volume& volume, const Tracer& tracer, const LightEvidence& light) {
+PlacementCounts place_probes(Volume& volume, const Tracer& tracer, const LightEvidence& light,
+                             const std::function<void(std::size_t)>& done) {
     const glm::dvec3 origin = tracer.scene().origin;
     std::vector<glm::vec3> offsets(volume.slots(), glm::vec3(0));
     const auto place = [&](std::size_t slot, bool within_box) {
@@ -408,8 +410,13 @@ PlacementCounts place_probes(Volume& volume, const Tracer& tracer, const LightEv
         volume.states[slot] = offset ? ProbeState::moved : ProbeState::missing;
         offsets[slot] = offset.value_or(glm::vec3(0));
     };
+    std::mutex mutex;
+    std::size_t looked_at = 0;
     for_each_index(volume.slots(), [&](std::size_t slot) {
         if (volume.states[slot] != ProbeState::absent) place(slot, true);
+        if (!done) return;
+        const std::lock_guard lock(mutex);
+        done(++looked_at);
     });
     const std::vector<std::size_t> alone = border_probes_without_valid_neighbours(volume);
     for_each_index(alone.size(), [&](std::size_t i) { place(alone[i], false); });

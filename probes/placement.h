@@ -54,7 +54,10 @@ struct LightEvidence {
 /// out of the solid that it is in, but through no other surface, and not out of its grid's box, unless no probe that it
 /// shares a cell with is valid (on a slab, what is above it counts). Probes of a list stay where they are and are
 /// marked only.
-PlacementCounts place_probes(Volume& volume, const Tracer& tracer, const LightEvidence& light);
+///
+/// done  called with how many slots have been looked at, from any thread, one at a time; what it throws comes out
+PlacementCounts place_probes(Volume& volume, const Tracer& tracer, const LightEvidence& light,
+                             const std::function<void(std::size_t)>& done = {});
 
 /// Gives invalid probes the light of valid neighbours that they reach through nothing but the surface of what they are
 /// in, ring by ring, and then of any neighbour, so that plain trilinear filtering never reads black. States become
