@@ -20,10 +20,10 @@ std::string included_name(const std::string& line) {
 }
 
 void append(const ShaderSources& sources, const std::string& name, ExpandedShader& out) {
-    const std::size_t number = out.files.size();
+    const int number = static_cast<int>(out.files.size());
     out.files.push_back(name);
     std::istringstream lines(sources.at(name));
-    if (number > 0) out.text += fmt::format("#line 1 {}\n", number);
+    if (number > 0) out.text += fmt::format("#line {}\n", lines_per_file * number + 1);
     std::string line;
     for (int at = 1; std::getline(lines, line); ++at) {
         const std::string included = included_name(line);
@@ -37,7 +37,7 @@ void append(const ShaderSources& sources, const std::string& name, ExpandedShade
         if (std::find(out.files.begin(), out.files.end(), included) == out.files.end()) {
             append(sources, included, out);
         }
-        out.text += fmt::format("#line {} {}\n", at + 1, number);
+        out.text += fmt::format("#line {}\n", lines_per_file * number + at + 1);
     }
 }
 
@@ -83,18 +83,19 @@ ExpandedShader expand_includes(const ShaderSources& sources, const std::string& 
 }
 
 std::string name_places(const std::string& log, const std::vector<std::string>& files) {
-    // At the start of a line: an optional word, the number of the file, a separator, the number of the line, and what
+    // At the start of a line: an optional word, a number that is always 0, a separator, the number of the line, and what
     // closes it (with Mesa's column).
-    static const std::regex place(R"(^(?:(?:ERROR|WARNING):\s*)?(\d+)[:(](\d+)\)?(?:\(\d+\))?\s*:\s*)");
+    static const std::regex place(R"(^(?:(?:ERROR|WARNING):\s*)?\d+[:(](\d{1,9})\)?(?:\(\d+\))?\s*:\s*)");
     std::string named;
     std::istringstream lines(log);
     std::string line;
     while (std::getline(lines, line)) {
         std::smatch match;
         const bool found = std::regex_search(line, match, place);
-        const std::size_t file = found ? std::stoul(match[1]) : 0;
+        const int at = found ? std::stoi(match[1]) : 0;
+        const auto file = static_cast<std::size_t>(at / lines_per_file);
         if (found && file < files.size()) {
-            line = fmt::format("{}:{}: {}", files[file], match[2].str(), match.suffix().str());
+            line = fmt::format("{}:{}: {}", files[file], at % lines_per_file, match.suffix().str());
         }
         named += (named.empty() ? "" : "\n") + line;
     }

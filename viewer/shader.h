@@ -22,15 +22,18 @@ using ShaderSources = std::map<std::string, std::string>;
 /// A shader's text as the driver gets it.
 struct ExpandedShader {
     std::string text;
-    std::vector<std::string> files;  // by the number that #line gives them
+    std::vector<std::string> files;
 };
 
-/// Puts in the files that lines `#include "name"` ask for, once each, with #line directives that number the files; a
-/// `#version` line stays first. Throws Error naming file and line for a file that is not there.
+/// Line 3 of file 2 is line 20003 to the driver: Mesa loses the number that #line can give a file as such.
+inline constexpr int lines_per_file = 10'000;
+
+/// Puts in the files that lines `#include "name"` ask for, once each, with #line directives; a `#version` line stays
+/// first. Throws Error naming file and line for a file that is not there.
 [[nodiscard]] ExpandedShader expand_includes(const ShaderSources& sources, const std::string& name);
 
-/// A driver's message with places as "file:line": "0:12(5): error: ..." (Mesa, Intel), "0(12) : error ..." (NVIDIA) and
-/// "ERROR: 0:12: ..." (AMD, Apple) all become "level.frag:12: ...".
+/// A driver's message with places as "file:line": "0:10012(5): error: ..." (Mesa, Intel), "0(10012) : error ..." (NVIDIA)
+/// and "ERROR: 0:10012: ..." (AMD, Apple) all become "level.frag:12: ...".
 [[nodiscard]] std::string name_places(const std::string& log, const std::vector<std::string>& files);
 
 /// Compiles and links two of `sources`. Throws Error that names file and line, with the driver's words.
