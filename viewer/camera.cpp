@@ -51,6 +51,14 @@ Pose moved(const Pose& pose, glm::dvec3 by) {
     return result;
 }
 
+Lens lens_for(double diagonal, double object_size) {
+    const double size = std::max(diagonal, 1e-6);
+    Lens lens;
+    lens.far = 4 * size;
+    lens.near = std::min(2e-4 * size, 0.05 * object_size);
+    return lens;
+}
+
 glm::mat4 clip_from_level(const Pose& pose, const Lens& lens, double aspect, glm::dvec3 origin) {
     const glm::dvec3 eye = pose.eye - origin;
     const glm::dmat4 view = glm::lookAt(eye, eye + forward(pose), up);

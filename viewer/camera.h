@@ -34,6 +34,12 @@ struct Lens {
     double far = 1000;
 };
 
+/// Near enough not to cut into what one flies along, and far enough for all of a level.
+///
+/// diagonal     of the level's bounds, metres
+/// object_size  of what flies along; what leaves it room leaves it to the eye
+[[nodiscard]] Lens lens_for(double diagonal, double object_size);
+
 /// From positions relative to `origin` to OpenGL's clip space, composed in double.
 ///
 /// aspect  width over height of the picture

@@ -9,6 +9,7 @@
 #include "tools/program.h"
 #include "viewer/default_flight.h"
 #include "viewer/headless.h"
+#include "viewer/interactive.h"
 #include "viewer/outlines.h"
 #include "viewer/renderer.h"
 
@@ -129,9 +130,8 @@ Volume load_volume_of(const Scene& scene, const std::string& path) {
     return volume;
 }
 
-Volume bake_quickly(const Tracer& tracer, const ChosenLight& light, bool quiet) {
+Volume bake_quickly(const PathTracer& paths, const ChosenLight& light, bool quiet) {
     if (!quiet) fmt::print(stderr, "fly-through: no VOLUME: baking a rough one\n");
-    const PathTracer paths(tracer, light.environment);
     BakeOptions options;
     options.placement.max_probes = quick_probes;
     options.samples = quick_samples;
@@ -140,28 +140,18 @@ Volume bake_quickly(const Tracer& tracer, const ChosenLight& light, bool quiet) 
     return run_bake(paths, plan_bake(paths, options), options).volume;
 }
 
-ObjectMesh choose_object(const std::string& name) {
-    ObjectMesh mesh;
-    if (name == "sphere") {
-        mesh = make_sphere();
-    } else if (name == "bunny") {
+/// A metre large; none for the sphere, which is there anyway.
+std::optional<ObjectMesh> choose_object(const std::string& name) {
+    if (name == "sphere") return {};
+    fs::path path = name;
+    if (name == "bunny") {
         const std::optional<fs::path> bunny = find_bunny();
         if (!bunny) throw Error("is not installed", "bunny", "Install Debian's glmark2-data, or name a file");
-        mesh = load_object(*bunny);
-    } else {
-        mesh = load_object(name);
+        path = *bunny;
     }
+    ObjectMesh mesh = load_object(path);
     fit(mesh, 1);
     return mesh;
-}
-
-/// Depth is spread over what there is to see.
-Lens lens_for(const Scene& scene, double object_size) {
-    Lens lens;
-    const double diagonal = std::max(glm::length(scene.bounds.size()), 1e-6);
-    lens.far = 4 * diagonal;
-    lens.near = std::min(2e-4 * diagonal, 0.05 * object_size);
-    return lens;
 }
 
 std::string frame_name(int frame) {
@@ -178,43 +168,69 @@ fs::path prepare_folder(const std::string& name) {
     return folder;
 }
 
-int run(const Call& call) {
-    check(call);
-    std::optional<fs::path> folder;
-    if (call.headless) folder = prepare_folder(call.out);
-    const ShaderSources shaders = call.shaders.empty() ? built_in_shaders() : read_shaders(call.shaders);
-    std::optional<Flight> flight;
-    if (!call.path.empty()) flight = load_flight(call.path);
-    const ObjectMesh object = choose_object(call.object);
-    const ChosenLight light = choose_light(call.light);
-    const Scene scene = load_level(call.level, {call.scene});
-    std::optional<Volume> volume;
-    if (!call.volume.empty()) volume = load_volume_of(scene, call.volume);
+/// Draws the flight frame by frame into the folder.
+void render_frames(const Call& call, const fs::path& folder, const Tracer& tracer, const Environment& environment,
+                   const std::shared_ptr<const LitVolume>& volume, std::optional<Flight> flight,
+                   const std::optional<ObjectMesh>& object, const ShaderSources& shaders) {
+    const Scene& scene = tracer.scene();
     const Headless surface;
-    const Tracer tracer(scene);
-    if (!volume) volume = bake_quickly(tracer, light, call.quiet);
-    const auto lit = std::make_shared<const LitVolume>(std::move(*volume));
-    DefaultFlight default_flight = make_default_flight(tracer, *lit);
-    if (!flight) flight = std::move(default_flight.flight);
-
     Renderer renderer(surface.gl(), shaders);
-    renderer.set_level(scene, lit->spacing, find_outlines(tracer, lit->volume));
-    renderer.set_volume(lit);
-    renderer.set_environment(light.environment);
-    renderer.set_object(object);
+    renderer.set_level(scene, volume->spacing, find_outlines(tracer, volume->volume));
+    renderer.set_volume(volume);
+    renderer.set_environment(environment);
+    renderer.set_object(object ? *object : make_sphere());
 
+    DefaultFlight default_flight = make_default_flight(tracer, *volume);
+    if (!flight) flight = std::move(default_flight.flight);
+    const Lens lens = lens_for(glm::length(scene.bounds.size()), default_flight.object_size);
     const glm::ivec2 size = parse_size(call.size);
+    const Pane pane{{glm::ivec2(0), size}, Settings{}};
     const int frames = call.frames.value_or(frame_count(*flight));
+    if (frames > most_frames) {
+        throw Error(fmt::format("asks for {} frames; {} are the most", frames, most_frames), call.path,
+                    "Give fewer with --frames");
+    }
     for (int i = 0; i < frames; ++i) {
         const FlightMoment moment = evaluate(*flight, frame_time_s(*flight, i, frames));
-        Frame frame{.pose = moment.pose, .lens = lens_for(scene, default_flight.object_size)};
+        Frame frame{.pose = moment.pose, .lens = lens};
         if (moment.object) {
             frame.object = {.position = *moment.object, .size = static_cast<float>(default_flight.object_size)};
         }
-        const Pane pane{{glm::ivec2(0), size}, Settings{}};
         renderer.draw(frame, std::span(&pane, 1), size, samples_per_pixel);
-        write_png(renderer.target().read_picture(), *folder / frame_name(i));
+        write_png(renderer.target().read_picture(), folder / frame_name(i));
     }
+}
+
+int run(const Call& call) {
+    check(call);
+    ShaderSources shaders = call.shaders.empty() ? built_in_shaders() : read_shaders(call.shaders);
+    std::optional<Flight> flight;
+    if (!call.path.empty()) flight = load_flight(call.path);
+    std::optional<ObjectMesh> object = choose_object(call.object);
+    const ChosenLight light = choose_light(call.light);
+    const Scene scene = load_level(call.level, {call.scene});
+    std::optional<VolumeWatch> watch;
+    std::optional<Volume> volume;
+    if (!call.volume.empty()) watch.emplace(call.volume, scene);
+    if (!call.volume.empty()) volume = load_volume_of(scene, call.volume);
+    const Tracer tracer(scene);
+    const PathTracer paths(tracer, light.environment);
+    if (call.headless) {
+        const fs::path folder = prepare_folder(call.out);
+        if (!volume) volume = bake_quickly(paths, light, call.quiet);
+        render_frames(call, folder, tracer, light.environment, std::make_shared<const LitVolume>(std::move(*volume)),
+                      std::move(flight), object, shaders);
+        return 0;
+    }
+    show_in_window({.paths = paths,
+                    .environment = light.description,
+                    .volume = volume ? std::make_shared<const LitVolume>(std::move(*volume)) : nullptr,
+                    .watch = std::move(watch),
+                    .flight = std::move(flight),
+                    .object = std::move(object),
+                    .shaders = std::move(shaders),
+                    .size = parse_size(call.size),
+                    .quiet = call.quiet});
     return 0;
 }
 

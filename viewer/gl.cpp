@@ -51,6 +51,12 @@ void check_gl(const Gl& gl, const std::string& doing) {
     throw Error(fmt::format("{} while {}", error_name(error), doing), "OpenGL", {}, Fault::work);
 }
 
+bool is_software(const Gl& gl) {
+    const std::string device = describe_gl(gl);
+    const auto names = [&](const char* name) { return device.find(name) != std::string::npos; };
+    return names("llvmpipe") || names("softpipe") || names("SwiftShader");
+}
+
 std::string describe_gl(const Gl& gl) {
     const auto text = [&](GLenum name) {
         const GLubyte* value = gl.GetString(name);

@@ -104,6 +104,9 @@ using FindGlFunction = std::function<void*(const char* name)>;
 /// doing  what was done, for the message: "drawing the level"
 void check_gl(const Gl& gl, const std::string& doing);
 
+/// The processor draws: every pixel costs.
+[[nodiscard]] bool is_software(const Gl& gl);
+
 /// Version and device, as the driver names them: for messages.
 [[nodiscard]] std::string describe_gl(const Gl& gl);
 

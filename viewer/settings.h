@@ -5,8 +5,8 @@
 /// Everything that a person can switch while looking. The renderer reads it; keys, command line and overlay write it.
 namespace lightgrid {
 
-enum class LevelLight : std::uint8_t { none, constant, vertex, pixel };
-enum class ObjectLight : std::uint8_t { constant, object, pixel };  // object: one look-up for all of it
+enum class LevelLight : std::uint8_t { none, constant, vertex };
+enum class ObjectLight : std::uint8_t { constant, object };  // object: one look-up for all of it
 enum class Filter : std::uint8_t { trilinear, nearest };
 enum class Tone : std::uint8_t { film, reinhard, linear };
 
@@ -21,13 +21,14 @@ struct Settings {
     bool show_object = true;
     bool show_background = true;
 
-    float gain = 1;  // of light from the volume, against emission and background
+    float gain = 1;  // of the light from the volume, against emission and background
     float exposure_stops = 0;
     bool automatic_exposure = true;  // by the light around the eye; else 1 cd/m^2 is white
     Tone tone = Tone::film;
 };
 
-/// What exceeds this is refused by keys and overlay.
+/// Of exposure and gain, either way: what exceeds it is cut off.
 inline constexpr float most_stops = 16;
+inline constexpr int most_used_bands = 3;
 
 }  // namespace lightgrid
