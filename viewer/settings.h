@@ -25,6 +25,8 @@ struct Settings {
     float exposure_stops = 0;
     bool automatic_exposure = true;  // by the light around the eye; else 1 cd/m^2 is white
     Tone tone = Tone::film;
+
+    bool operator==(const Settings&) const = default;
 };
 
 /// Of exposure and gain, either way: what exceeds it is cut off.

@@ -160,5 +160,53 @@ TEST_F(FlyThrough, WithoutADisplayItTellsOfHeadless) {
     EXPECT_NE(result.err.find("--headless"), std::string::npos) << result.err;
 }
 
+/// What people do, by xdotool on a display of its own.
+TEST_F(FlyThrough, AWindowIsFlownResizedPhotographedAndClosed) {
+    if (shell("command -v Xvfb xdotool").status != 0) GTEST_SKIP() << "Xvfb or xdotool is not installed";
+    bake(cornell, "cornell.probes.exr");
+    write("act", fmt::format(R"(
+        set -eu
+        wait_for() {{ for i in $(seq 600); do [ -s "$1" ] && return; sleep 0.1; done; echo "no $1" >&2; exit 9; }}
+        Xvfb -displayfd 3 -screen 0 1280x800x24 3>display >/dev/null 2>&1 &
+        server=$!
+        trap 'kill $server' EXIT
+        wait_for display
+        export DISPLAY=:$(cat display)
+        {} {} cornell.probes.exr --size 320x180 2>said &
+        program=$!
+        window=$(timeout 60 xdotool search --sync --name 'ms a frame' | head -1)
+        xdotool mousemove 100 100 key F12
+        wait_for cornell_0001.exr
+        xdotool windowsize --sync $window 400 300
+        xdotool keydown w keydown shift mousemove 150 90 mousedown 3 mousemove 200 110 mouseup 3 keyup shift keyup w
+        xdotool mousemove 200 150 mousedown 1 mousemove 260 140 mouseup 1 click 4 click 5
+        xdotool key x key b key n key g key h key l key o key t key comma key period key minus key equal key f
+        xdotool key 2 key 4 key 1 key r
+        xdotool keydown s
+        xdotool key F12
+        wait_for cornell_0002.exr
+        xdotool keyup s key r
+        wait_for cornell_path_0001.json
+        xdotool key p key F1 key Escape
+        status=0
+        wait $program || status=$?
+        cat said >&2
+        exit $status
+        )",
+                             FLY_THROUGH_PROGRAM, cornell));
+    const Result result = shell("bash ./act");
+    EXPECT_EQ(result.status, 0) << result.err;
+    EXPECT_NE(result.err.find("saved cornell_0001.png and cornell_0001.exr"), std::string::npos) << result.err;
+    EXPECT_NE(result.err.find("split screen"), std::string::npos) << "the help that F1 asks for: " << result.err;
+    const ByteImage first = picture("cornell_0001.png");
+    EXPECT_EQ(glm::ivec2(first.width, first.height), glm::ivec2(320, 180));
+    EXPECT_GT(contrast(first), 50);
+    const ByteImage second = picture("cornell_0002.png");
+    EXPECT_EQ(glm::ivec2(second.width, second.height), glm::ivec2(400, 300));
+    const RadianceFile light = read_radiance(folder() / "cornell_0001.exr");
+    EXPECT_EQ(light.image.width, 320);
+    EXPECT_NE(read_whole_file(folder() / "cornell_path_0001.json").find("yaw_deg"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace lightgrid
