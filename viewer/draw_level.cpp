@@ -11,40 +11,6 @@
 namespace lightgrid {
 namespace {
 
-GLint wrap_mode(Wrap wrap) {
-    switch (wrap) {
-        case Wrap::mirror:
-            return GL_MIRRORED_REPEAT;
-        case Wrap::clamp:
-            return GL_CLAMP_TO_EDGE;
-        case Wrap::repeat:
-            break;
-    }
-    return GL_REPEAT;
-}
-
-GlTexture upload_texture(const Gl& gl, const Texture& texture, GLenum format, const std::string& where) {
-    GLint most = 0;
-    gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
-    const ByteImage& image = texture.image;
-    if (image.width > most || image.height > most) {
-        throw Error(fmt::format("a texture of {} x {} pixels; this OpenGL takes {}", image.width, image.height, most),
-                    where, "Make it smaller");
-    }
-    GlTexture result = make_texture(gl);
-    gl.BindTexture(GL_TEXTURE_2D, result.name());
-    gl.PixelStorei(GL_UNPACK_ALIGNMENT, 4);
-    gl.TexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(format), image.width, image.height, 0, GL_RGBA, GL_UNSIGNED_BYTE,
-                  image.pixels.data());
-    gl.GenerateMipmap(GL_TEXTURE_2D);
-    const GLint near = texture.nearest ? GL_NEAREST : GL_LINEAR;
-    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, near);
-    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
-    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, wrap_mode(texture.wrap_u));
-    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, wrap_mode(texture.wrap_v));
-    return result;
-}
-
 TexelBuffer make_texel_buffer(const Gl& gl, GLenum format, std::span<const glm::vec4> texels,
                               const std::string& where) {
     GLint most = 0;
@@ -74,20 +40,18 @@ LevelDrawing::LevelDrawing(const Gl& gl, const ShaderSources& shaders, const Sce
                            const std::vector<bool>& outlines)
     : gl_(gl),
       mesh_(std::move(mesh)),
+      textures_(gl, scene.name),
       opaque_program_(compile_program(gl, shaders, "level.vert", "level_opaque.frag")),
       see_through_program_(compile_program(gl, shaders, "level.vert", "level_see_through.frag")),
       vertex_array_(make_vertex_array(gl)),
       vertices_(make_buffer(gl)),
       indices_(make_buffer(gl)) {
-    Texture white;
-    white.image = {1, 1, {glm::u8vec4(255)}};
-    white_ = upload_texture(gl, white, GL_RGBA8, scene.name);
     for (const Material& material : scene.materials) {
         Surface surface;
         surface.material = material;
-        surface.base_color = upload(scene, material.base_color_texture, GL_SRGB8_ALPHA8);
-        surface.emission = upload(scene, material.emission_texture, GL_SRGB8_ALPHA8);
-        surface.transmission = upload(scene, material.transmission_texture, GL_RGBA8);
+        surface.base_color = textures_.use(scene.textures, material.base_color_texture, Encoding::srgb);
+        surface.emission = textures_.use(scene.textures, material.emission_texture, Encoding::srgb);
+        surface.transmission = textures_.use(scene.textures, material.transmission_texture, Encoding::linear);
         surface.front_only = outlines[surfaces_.size()];
         surfaces_.push_back(std::move(surface));
     }
@@ -137,19 +101,6 @@ LevelDrawing::LevelDrawing(const Gl& gl, const ShaderSources& shaders, const Sce
     check_gl(gl, "uploading the level");
 }
 
-GLuint LevelDrawing::upload(const Scene& scene, const TextureUse& use, GLenum format) {
-    if (!use.used()) return 0;
-    const std::pair<int, GLenum> key{use.texture, format};
-    const auto known =
-        std::find_if(uploaded_.begin(), uploaded_.end(), [&](const auto& entry) { return entry.first == key; });
-    if (known != uploaded_.end()) return known->second;
-    const auto index = static_cast<std::size_t>(use.texture);
-    textures_.push_back(
-        upload_texture(gl_, scene.textures[index], format, fmt::format("{}: texture {}", scene.name, index)));
-    uploaded_.emplace_back(key, textures_.back().name());
-    return textures_.back().name();
-}
-
 TexelBuffer LevelDrawing::make_light_table(std::span<const VertexLight> light) const {
     static_assert(sizeof(VertexLight) == 2 * sizeof(glm::vec4));
     const std::span texels(reinterpret_cast<const glm::vec4*>(light.data()), 2 * light.size());
@@ -173,12 +124,9 @@ void LevelDrawing::set_eye(const Uniforms& uniforms, const Eye& eye, const Light
 
 void LevelDrawing::set_material(const Uniforms& uniforms, const Surface& surface, float exposure) const {
     const Material& material = surface.material;
-    const auto texture = [&](int unit, GLuint name) {
-        bind(gl_, unit, GL_TEXTURE_2D, name == 0 ? white_.name() : name);
-    };
-    texture(base_color_unit, surface.base_color);
-    texture(emission_unit, surface.emission);
-    texture(transmission_unit, surface.transmission);
+    bind(gl_, base_color_unit, GL_TEXTURE_2D, surface.base_color);
+    bind(gl_, emission_unit, GL_TEXTURE_2D, surface.emission);
+    bind(gl_, transmission_unit, GL_TEXTURE_2D, surface.transmission);
     uniforms.set("base_color", glm::vec4(material.base_color, material.alpha));
     uniforms.set("emission", material.emission * exposure);
     uniforms.set("emits", material.emits() ? 1 : 0);

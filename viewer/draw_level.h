@@ -4,6 +4,7 @@
 #include "viewer/eye.h"
 #include "viewer/gl_objects.h"
 #include "viewer/level_mesh.h"
+#include "viewer/material_textures.h"
 #include "viewer/settings.h"
 #include "viewer/shader.h"
 
@@ -50,7 +51,7 @@ class LevelDrawing {
   private:
     struct Surface {
         Material material;
-        GLuint base_color = 0;  // textures; 0: white
+        GLuint base_color = 0;  // textures
         GLuint emission = 0;
         GLuint transmission = 0;
         bool front_only = false;
@@ -59,10 +60,10 @@ class LevelDrawing {
     void draw(const Program& program, std::span<const std::size_t> draws, const Eye& eye, const Light& light) const;
     void set_eye(const Uniforms& uniforms, const Eye& eye, const Light& light) const;
     void set_material(const Uniforms& uniforms, const Surface& surface, float exposure) const;
-    [[nodiscard]] GLuint upload(const Scene& scene, const TextureUse& use, GLenum format);
 
     const Gl& gl_;
     LevelMesh mesh_;
+    MaterialTextures textures_;
     std::vector<Surface> surfaces_;
     std::vector<std::size_t> opaque_;   // of the mesh's draws, by material
     std::vector<std::size_t> cut_out_;  // likewise: MASK
@@ -73,9 +74,6 @@ class LevelDrawing {
     Buffer vertices_;
     Buffer indices_;
     TexelBuffer instances_;
-    GlTexture white_;
-    std::vector<GlTexture> textures_;
-    std::vector<std::pair<std::pair<int, GLenum>, GLuint>> uploaded_;
 };
 
 }  // namespace lightgrid

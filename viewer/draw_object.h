@@ -3,10 +3,13 @@
 #include "viewer/eye.h"
 #include "viewer/gl_objects.h"
 #include "viewer/look_up.h"
+#include "viewer/material_textures.h"
 #include "viewer/object.h"
 #include "viewer/shader.h"
 
 #include <glm/glm.hpp>
+
+#include <vector>
 
 namespace lightgrid {
 
@@ -17,7 +20,8 @@ struct ObjectPlace {
     float size = 1;  // of its longest side, metres
 };
 
-/// An object of white clay, lit as a whole by one look-up.
+/// An object with the colours of its materials, lit as a whole by one look-up. MASK cuts; BLEND and transmission are
+/// drawn as if opaque.
 class ObjectDrawing {
   public:
     ObjectDrawing(const Gl& gl, const ShaderSources& shaders, const ObjectMesh& mesh);
@@ -26,12 +30,20 @@ class ObjectDrawing {
     void draw(const Eye& eye, const ObjectPlace& place, const Sh9& irradiance) const;
 
   private:
+    struct Part {
+        ObjectDraw draw;
+        Material material;
+        GLuint base_color = 0;  // textures
+        GLuint emission = 0;
+    };
+
     const Gl& gl_;
+    MaterialTextures textures_;
+    std::vector<Part> parts_;
     Program program_;
     VertexArray vertex_array_;
     Buffer vertices_;
     Buffer indices_;
-    int index_count_ = 0;
 };
 
 }  // namespace lightgrid

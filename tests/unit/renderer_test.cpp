@@ -157,7 +157,9 @@ TEST_F(Picture, TexturesAreDecodedFromSrgbAndTransformed) {
 
 TEST_F(Picture, AnObjectIsLitAsAWholeAndHidesWhatIsBehindIt) {
     add_wall(add_grey(scene_, 0.5F));
-    renderer_.set_object(make_sphere());
+    ObjectMesh sphere = make_sphere();
+    sphere.materials[0].base_color = glm::vec3(0.8F);
+    renderer_.set_object(sphere);
     frame_.object = ObjectPlace{.position = {0, 0, -1}, .size = 0.5F};
     const RadianceImage image = draw();
     expect_light(image, 0.8F * light);
