@@ -159,7 +159,7 @@ std::string frame_name(int frame) {
 }
 
 fs::path prepare_folder(const std::string& name) {
-    const fs::path folder = name;
+    fs::path folder = name;
     std::error_code problem;
     fs::create_directories(folder, problem);
     if (problem) throw Error("cannot be made: " + problem.message(), name, "Choose another --out");

@@ -12,7 +12,6 @@ namespace lightgrid {
 #define LIGHTGRID_GL_FUNCTIONS(X)                                        \
     X(PFNGLACTIVETEXTUREPROC, ActiveTexture)                             \
     X(PFNGLATTACHSHADERPROC, AttachShader)                               \
-    X(PFNGLBINDATTRIBLOCATIONPROC, BindAttribLocation)                   \
     X(PFNGLBINDBUFFERPROC, BindBuffer)                                   \
     X(PFNGLBINDFRAGDATALOCATIONINDEXEDPROC, BindFragDataLocationIndexed) \
     X(PFNGLBINDFRAMEBUFFERPROC, BindFramebuffer)                         \
@@ -21,15 +20,12 @@ namespace lightgrid {
     X(PFNGLBLENDFUNCPROC, BlendFunc)                                     \
     X(PFNGLBLITFRAMEBUFFERPROC, BlitFramebuffer)                         \
     X(PFNGLBUFFERDATAPROC, BufferData)                                   \
-    X(PFNGLBUFFERSUBDATAPROC, BufferSubData)                             \
     X(PFNGLCHECKFRAMEBUFFERSTATUSPROC, CheckFramebufferStatus)           \
     X(PFNGLCLEARPROC, Clear)                                             \
     X(PFNGLCLEARCOLORPROC, ClearColor)                                   \
-    X(PFNGLCOLORMASKPROC, ColorMask)                                     \
     X(PFNGLCOMPILESHADERPROC, CompileShader)                             \
     X(PFNGLCREATEPROGRAMPROC, CreateProgram)                             \
     X(PFNGLCREATESHADERPROC, CreateShader)                               \
-    X(PFNGLCULLFACEPROC, CullFace)                                       \
     X(PFNGLDELETEBUFFERSPROC, DeleteBuffers)                             \
     X(PFNGLDELETEFRAMEBUFFERSPROC, DeleteFramebuffers)                   \
     X(PFNGLDELETEPROGRAMPROC, DeleteProgram)                             \
@@ -40,8 +36,6 @@ namespace lightgrid {
     X(PFNGLDEPTHMASKPROC, DepthMask)                                     \
     X(PFNGLDISABLEPROC, Disable)                                         \
     X(PFNGLDRAWARRAYSPROC, DrawArrays)                                   \
-    X(PFNGLDRAWARRAYSINSTANCEDPROC, DrawArraysInstanced)                 \
-    X(PFNGLDRAWBUFFERPROC, DrawBuffer)                                   \
     X(PFNGLDRAWELEMENTSPROC, DrawElements)                               \
     X(PFNGLDRAWELEMENTSINSTANCEDPROC, DrawElementsInstanced)             \
     X(PFNGLENABLEPROC, Enable)                                           \
@@ -64,25 +58,18 @@ namespace lightgrid {
     X(PFNGLLINKPROGRAMPROC, LinkProgram)                                 \
     X(PFNGLPIXELSTOREIPROC, PixelStorei)                                 \
     X(PFNGLREADPIXELSPROC, ReadPixels)                                   \
-    X(PFNGLSCISSORPROC, Scissor)                                         \
     X(PFNGLSHADERSOURCEPROC, ShaderSource)                               \
     X(PFNGLTEXBUFFERPROC, TexBuffer)                                     \
     X(PFNGLTEXIMAGE2DPROC, TexImage2D)                                   \
     X(PFNGLTEXIMAGE2DMULTISAMPLEPROC, TexImage2DMultisample)             \
-    X(PFNGLTEXIMAGE3DPROC, TexImage3D)                                   \
     X(PFNGLTEXPARAMETERIPROC, TexParameteri)                             \
-    X(PFNGLTEXSUBIMAGE3DPROC, TexSubImage3D)                             \
     X(PFNGLUNIFORM1FPROC, Uniform1f)                                     \
     X(PFNGLUNIFORM1IPROC, Uniform1i)                                     \
-    X(PFNGLUNIFORM2FVPROC, Uniform2fv)                                   \
     X(PFNGLUNIFORM3FVPROC, Uniform3fv)                                   \
-    X(PFNGLUNIFORM3IVPROC, Uniform3iv)                                   \
     X(PFNGLUNIFORM4FVPROC, Uniform4fv)                                   \
-    X(PFNGLUNIFORM4IVPROC, Uniform4iv)                                   \
     X(PFNGLUNIFORMMATRIX3FVPROC, UniformMatrix3fv)                       \
     X(PFNGLUNIFORMMATRIX4FVPROC, UniformMatrix4fv)                       \
     X(PFNGLUSEPROGRAMPROC, UseProgram)                                   \
-    X(PFNGLVERTEXATTRIBDIVISORPROC, VertexAttribDivisor)                 \
     X(PFNGLVERTEXATTRIBPOINTERPROC, VertexAttribPointer)                 \
     X(PFNGLVIEWPORTPROC, Viewport)
 

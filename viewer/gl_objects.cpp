@@ -34,17 +34,11 @@ void Uniforms::set(const char* name, int value) const {
 void Uniforms::set(const char* name, float value) const {
     gl_->Uniform1f(gl_->GetUniformLocation(program_, name), value);
 }
-void Uniforms::set(const char* name, glm::vec2 value) const {
-    gl_->Uniform2fv(gl_->GetUniformLocation(program_, name), 1, glm::value_ptr(value));
-}
 void Uniforms::set(const char* name, glm::vec3 value) const {
     set(name, &value, 1);
 }
 void Uniforms::set(const char* name, glm::vec4 value) const {
     gl_->Uniform4fv(gl_->GetUniformLocation(program_, name), 1, glm::value_ptr(value));
-}
-void Uniforms::set(const char* name, glm::ivec3 value) const {
-    gl_->Uniform3iv(gl_->GetUniformLocation(program_, name), 1, glm::value_ptr(value));
 }
 void Uniforms::set(const char* name, const glm::mat3& value) const {
     gl_->UniformMatrix3fv(gl_->GetUniformLocation(program_, name), 1, GL_FALSE, glm::value_ptr(value));

@@ -81,10 +81,8 @@ class Uniforms {
 
     void set(const char* name, int value) const;
     void set(const char* name, float value) const;
-    void set(const char* name, glm::vec2 value) const;
     void set(const char* name, glm::vec3 value) const;
     void set(const char* name, glm::vec4 value) const;
-    void set(const char* name, glm::ivec3 value) const;
     void set(const char* name, const glm::mat3& value) const;
     void set(const char* name, const glm::mat4& value) const;
     /// An array of `count` vectors.

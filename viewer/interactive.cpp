@@ -91,7 +91,7 @@ class Interactive {
         if (!show_.quiet) fmt::print(stderr, "fly-through: {}\n", text);
     }
 
-    void take(std::shared_ptr<const LitVolume> volume) {
+    void take(const std::shared_ptr<const LitVolume>& volume) {
         if (!has_spacing_ || volume->spacing != spacing_) {
             renderer_.set_level(scene_, volume->spacing, find_outlines(show_.paths.tracer(), volume->volume));
             spacing_ = volume->spacing;

@@ -316,7 +316,8 @@ std::vector<VertexLight> light_level(const LevelMesh& mesh, glm::dvec3 origin, c
         if (before != nullptr && before->first_light == draw.first_light) continue;
         before = &draw;
         for (int i = 0; i < draw.instance_count; ++i) {
-            const glm::mat4x3& to_level = mesh.instances[static_cast<std::size_t>(draw.first_instance + i)];
+            const glm::mat4x3& to_level =
+                mesh.instances[static_cast<std::size_t>(draw.first_instance) + static_cast<std::size_t>(i)];
             // Normals turn as planes do; the front stays the front of a mirrored instance.
             const glm::mat3 normals = glm::transpose(glm::inverse(glm::mat3(to_level)));
             const std::size_t first = draw.first_light + static_cast<std::size_t>(i) * draw.light_stride;

@@ -164,6 +164,7 @@ TEST_F(FlyThrough, WithoutADisplayItTellsOfHeadless) {
 TEST_F(FlyThrough, AWindowIsFlownResizedPhotographedAndClosed) {
     if (shell("command -v Xvfb xdotool").status != 0) GTEST_SKIP() << "Xvfb or xdotool is not installed";
     bake(cornell, "cornell.probes.exr");
+    write("start.json", R"({"keys": [{"time_s": 0, "eye": [0, 1, 0.9], "look_at": [0, 1, 0]}]})");
     write("act", fmt::format(R"(
         set -eu
         wait_for() {{ for i in $(seq 600); do [ -s "$1" ] && return; sleep 0.1; done; echo "no $1" >&2; exit 9; }}
@@ -172,7 +173,7 @@ TEST_F(FlyThrough, AWindowIsFlownResizedPhotographedAndClosed) {
         trap 'kill $server' EXIT
         wait_for display
         export DISPLAY=:$(cat display)
-        {} {} cornell.probes.exr --size 320x180 2>said &
+        {} {} cornell.probes.exr --size 320x180 --path start.json 2>said &
         program=$!
         window=$(timeout 60 xdotool search --sync --name 'ms a frame' | head -1)
         xdotool mousemove 100 100 key F12
