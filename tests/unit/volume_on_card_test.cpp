@@ -89,8 +89,9 @@ class Card {
                       GL_STATIC_DRAW);
         for (const GLuint i : {0U, 1U}) {
             gl.EnableVertexAttribArray(i);
-            gl.VertexAttribPointer(i, 3, GL_FLOAT, GL_FALSE, sizeof(Query),
-                                   reinterpret_cast<const void*>(i * sizeof(glm::vec3)));
+            gl.VertexAttribPointer(
+                i, 3, GL_FLOAT, GL_FALSE, sizeof(Query),
+                reinterpret_cast<const void*>(i * sizeof(glm::vec3)));  // NOLINT(performance-no-int-to-ptr)
         }
         gl.ClearColor(-1, -1, -1, -1);
         gl.Clear(GL_COLOR_BUFFER_BIT);
