@@ -19,8 +19,8 @@ namespace lightgrid {
 /// horizontal_cross  4:3, faces     +Y        The middle row is one band.
 ///                              -X  -Z  +X  +Z
 ///                                  -Y
-/// strip             6:1 or 1:6, faces +X -X +Y -Y +Z -Z, each turned as OpenGL, Vulkan and KTX turn the faces of a
-///                   cube map whose lookup vector is the direction (OpenGL 4.6 core, table 8.19); so they look mirrored.
+/// strip             6:1 or 1:6, faces +X -X +Y -Y +Z -Z, each turned as OpenGL, Vulkan and KTX turn the faces of
+///                   a cube map whose lookup vector is the direction (OpenGL 4.6 core, table 8.19); so they look mirrored.
 /// angular           square, Debevec's angular map: the centre is -Z, +X is right, +Y up, the distance from the centre
 ///                   is proportional to the angle from -Z, and the circle that touches the edges is +Z.
 /// openexr_latlong   ImfEnvmap.h: the centre is +Z, u grows towards -X, the top row is +Y itself and the first and last

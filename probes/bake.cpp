@@ -19,8 +19,10 @@ constexpr std::size_t pilot_points = 64;
 constexpr std::uint32_t pilot_samples = 64;
 constexpr std::size_t timed_points = 512;
 constexpr std::uint32_t timed_samples = 16;
-/// How many rays a path takes is decided by the few points whose paths hardly end: many points, a path or two at each.
+/// How many rays a path takes is decided by the few points whose paths hardly end: many points, a path or two at each,
+/// but no more than a small share of all that will be traced.
 constexpr std::size_t counted_paths = 8192;
+constexpr std::size_t counted_share = 16;
 /// Rough looks at a point's light need no long paths, and sealed cavities of white walls would never end them.
 constexpr std::uint32_t pilot_bounces = 16;
 /// Of the gather rays, for the reference at held-out points.
@@ -86,10 +88,11 @@ double total_rays(const PathCounts& counts) {
     return static_cast<double>(counts.rays + counts.shadow_rays);
 }
 
-double rays_per_path(const PathTracer& paths, const std::vector<glm::vec3>& points, std::uint64_t seed,
-                     PathCounts& counts) {
-    const std::vector<glm::vec3> some = spread_over(points, counted_paths);
-    const auto directions = even_directions(static_cast<std::uint32_t>(counted_paths / some.size()));
+double rays_per_path(const PathTracer& paths, const std::vector<glm::vec3>& points, std::uint32_t least_samples,
+                     std::uint64_t seed, PathCounts& counts) {
+    const std::size_t count = std::clamp(points.size() * least_samples / counted_share, std::size_t{1}, counted_paths);
+    const std::vector<glm::vec3> some = spread_over(points, count);
+    const auto directions = even_directions(static_cast<std::uint32_t>(count / some.size()));
     std::vector<PathCounts> counted(some.size());
     for_each_index(some.size(), [&](std::size_t i) {
         std::vector<LightSample> light;
@@ -116,10 +119,10 @@ double seconds_per_ray(const PathTracer& paths, const std::vector<glm::vec3>& po
     return seconds / total_rays(counted);
 }
 
-Cost measure_cost(const PathTracer& paths, const std::vector<glm::vec3>& points, std::uint64_t seed,
-                  PathCounts& counts) {
+Cost measure_cost(const PathTracer& paths, const std::vector<glm::vec3>& points, std::uint32_t least_samples,
+                  std::uint64_t seed, PathCounts& counts) {
     if (points.empty()) return {};
-    const double rays = rays_per_path(paths, points, seed, counts);
+    const double rays = rays_per_path(paths, points, least_samples, seed, counts);
     return {rays, rays * seconds_per_ray(paths, points, seed, counts)};
 }
 
@@ -253,7 +256,8 @@ BakePlan plan_bake(const PathTracer& paths, const BakeOptions& options, const Pr
         plan.slots.push_back(slot);
         plan.points.emplace_back(gather_position(plan.volume, slot) - scene.origin);
     }
-    const Cost cost = measure_cost(paths, plan.points, options.seed, pilot);
+    const Cost cost =
+        measure_cost(paths, plan.points, options.samples.value_or(least_default_samples), options.seed, pilot);
     choose_samples(plan, options, cost);
 
     plan.left_out = scene.left_out;

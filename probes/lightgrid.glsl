@@ -40,35 +40,25 @@ struct LightgridLight {
     float known;  // share of weight that valid probes carried, before renormalisation; 0: no light is known here
 };
 
-// The probes around a position and how much each says. Weights sum to 1, or there is no probe.
-struct LightgridCorners {
-    ivec3 texels[8];   // a probe's first texel in the atlas
-    vec4 last[8];      // its last one
-    float scales[8];   // what texels are multiplied by
-    float weights[8];  // 0: says nothing, and the rest of it means nothing
-    int count;         // of probes that say something
-    float known;
-};
-
 // The point of a grid that is nearest to a position.
 struct LightgridCell {
     ivec3 lower;             // probe at the lower corner
     vec3 share;              // how far it is from there to the upper one
     float squared_distance;  // from the position; exactly 0 within the grid
+    ivec3 last;              // probe of the grid
     ivec2 first;             // brick of the grid in the index
-    ivec3 bricks;            // of the grid's lattice
 };
 
 LightgridCell lightgrid_cell(int grid, vec3 position) {
     vec4 origin = texelFetch(lightgrid_grids, ivec2(0, grid), 0);
     vec4 inverse_spacing = texelFetch(lightgrid_grids, ivec2(1, grid), 0);
-    vec3 counts = vec3(texelFetch(lightgrid_grids, ivec2(2, grid), 0));
+    vec3 last = vec3(texelFetch(lightgrid_grids, ivec2(2, grid), 0)) - 1.0f;
 
     // What is an integer but for rounding becomes one, so that probes answer for themselves and the far faces belong to
     // the grid.
     vec3 exact = (position - vec3(origin)) * vec3(inverse_spacing);
     vec3 slack = 2.4e-7f * ((abs(position) + abs(vec3(origin))) * vec3(inverse_spacing) + abs(exact));
-    vec3 inside = clamp(exact, vec3(0.0f), counts - 1.0f);
+    vec3 inside = clamp(exact, vec3(0.0f), last);
     vec3 beyond = abs(exact - inside);
     beyond *= vec3(greaterThan(beyond, slack)) / vec3(inverse_spacing);
     vec3 nearest = floor(inside + 0.5f);
@@ -78,96 +68,76 @@ LightgridCell lightgrid_cell(int grid, vec3 position) {
     cell.lower = ivec3(inside);
     cell.share = inside - vec3(cell.lower);
     cell.squared_distance = dot(beyond, beyond);
+    cell.last = ivec3(last);
     cell.first = ivec2(int(origin.w), int(inverse_spacing.w));
-    cell.bricks = (ivec3(counts) + 3) >> 2;
     return cell;
 }
 
-LightgridCorners lightgrid_no_corners() {
-    LightgridCorners none;
-    for (int i = 0; i < 8; ++i) {
-        none.texels[i] = ivec3(0);
-        none.last[i] = vec4(0.0f);
-        none.scales[i] = 0.0f;
-        none.weights[i] = 0.0f;
-    }
-    none.count = 0;
-    none.known = 0.0f;
-    return none;
+LightgridLight lightgrid_black() {
+    LightgridLight black;
+    for (int t = 0; t < LIGHTGRID_TEXELS; ++t) black.texels[t] = vec4(0.0f);
+    black.known = 0.0f;
+    return black;
 }
 
-// No corners if one that would carry weight is not stored.
-LightgridCorners lightgrid_cell_corners(LightgridCell cell) {
-    LightgridCorners result = lightgrid_no_corners();
-    float filled = 0.0f;
+// The sum over a cell's probes of this state, by trilinear weight; `known` is the sum of the weights. Nothing if a probe
+// that carries weight is not stored.
+LightgridLight lightgrid_sum(LightgridCell cell, float state) {
+    LightgridLight sum = lightgrid_black();
+    ivec3 bricks = (cell.last >> 2) + 1;
+    bool stored = true;
     for (int i = 0; i < 8; ++i) {
         ivec3 upper = ivec3(i & 1, (i >> 1) & 1, i >> 2);
         vec3 factors = mix(1.0f - cell.share, cell.share, vec3(upper));
         float weight = factors.x * factors.y * factors.z;
-        if (weight == 0.0f) continue;
-        ivec3 probe = cell.lower + upper;
+        ivec3 probe = min(cell.lower + upper, cell.last);  // what lies beyond carries no weight
         ivec3 brick = probe >> 2;
-        int number = cell.first.x + (brick.z * cell.bricks.y + brick.y) * cell.bricks.x + brick.x;
+        int number = cell.first.x + (brick.z * bricks.y + brick.y) * bricks.x + brick.x;
         uvec4 entry = texelFetch(lightgrid_index, ivec2(number & 2047, cell.first.y + (number >> 11)), 0);
-        if (entry.w == 0u) return lightgrid_no_corners();
+        stored = stored && (entry.w != 0u || weight == 0.0f);
         ivec3 texel = ivec3(entry) * 4 + (probe & 3);
         texel.x *= LIGHTGRID_TEXELS;
         vec4 last = texelFetch(lightgrid_atlas, texel + ivec3(LIGHTGRID_TEXELS - 1, 0, 0), 0);
-        result.texels[i] = texel;
-        result.last[i] = last;
-        result.scales[i] = exp2(float(int(entry.w) - 127));
-        result.weights[i] = weight;
-        if (last.w > 1.5f) {
-            result.known += weight;
-        } else if (last.w > 0.5f) {
-            filled += weight;
+        weight = last.w == state ? weight : 0.0f;
+        sum.known += weight;
+        if (weight > 0.0f) {
+            weight *= uintBitsToFloat(entry.w << 23);
+            sum.texels[LIGHTGRID_TEXELS - 1] += weight * last;
+            for (int t = 0; t < LIGHTGRID_TEXELS - 1; ++t) {
+                sum.texels[t] += weight * texelFetch(lightgrid_atlas, texel + ivec3(t, 0, 0), 0);
+            }
         }
     }
-    // Valid probes answer; where there is none, filled ones do.
-    float least = result.known > 0.0f ? 1.5f : 0.5f;
-    float sum = result.known > 0.0f ? result.known : filled;
-    for (int i = 0; i < 8; ++i) {
-        bool answers = result.weights[i] > 0.0f && result.last[i].w > least;
-        result.weights[i] = answers ? result.weights[i] / sum : 0.0f;
-        result.count += int(answers);
-    }
-    return result;
+    if (!stored) return lightgrid_black();
+    return sum;
 }
 
-// The finest grid that knows an answer gives it; outside of all grids, the nearest point of the nearest one.
-LightgridCorners lightgrid_corners(vec3 position) {
-    LightgridCorners found = lightgrid_no_corners();
-    LightgridCell nearest = lightgrid_cell(0, position);
+// The finest grid that knows an answer gives it; outside of all grids, the nearest point of the nearest one. Where no
+// probe around is valid, filled ones answer.
+LightgridLight lightgrid_light(vec3 position) {
     int grids = textureSize(lightgrid_grids, 0).y;
-    for (int grid = 0; grid < grids; ++grid) {
+    LightgridCell nearest = lightgrid_cell(0, position);
+    for (int grid = 1; grid < grids; ++grid) {
         LightgridCell cell = lightgrid_cell(grid, position);
         if (cell.squared_distance < nearest.squared_distance) nearest = cell;
-        if (cell.squared_distance > 0.0f) continue;
-        LightgridCorners candidate = lightgrid_cell_corners(cell);
-        if (found.count == 0 || candidate.known > 0.0f) found = candidate;
-        if (found.known > 0.0f) break;
     }
-    if (nearest.squared_distance > 0.0f) found = lightgrid_cell_corners(nearest);
-    return found;
-}
+    bool outside = nearest.squared_distance > 0.0f;
+    int turns = outside ? 1 : grids;
 
-LightgridLight lightgrid_interpolate(LightgridCorners corners) {
-    LightgridLight light;
-    for (int t = 0; t < LIGHTGRID_TEXELS; ++t) light.texels[t] = vec4(0.0f);
-    for (int i = 0; i < 8; ++i) {
-        float weight = corners.weights[i] * corners.scales[i];
-        if (weight == 0.0f) continue;
-        for (int t = 0; t < LIGHTGRID_TEXELS - 1; ++t) {
-            light.texels[t] += weight * texelFetch(lightgrid_atlas, corners.texels[i] + ivec3(t, 0, 0), 0);
+    LightgridLight light = lightgrid_black();
+    for (int turn = 0; turn < 2 * turns && light.known == 0.0f; ++turn) {
+        LightgridCell cell = nearest;
+        if (turns > 1) cell = lightgrid_cell(turn % turns, position);
+        if (outside || cell.squared_distance == 0.0f) light = lightgrid_sum(cell, turn < turns ? 2.0f : 1.0f);
+        if (light.known > 0.0f) {
+            for (int t = 0; t < LIGHTGRID_TEXELS; ++t) light.texels[t] /= light.known;
+            if (turn >= turns) {
+                light.known = 0.0f;
+                break;
+            }
         }
-        light.texels[LIGHTGRID_TEXELS - 1] += weight * corners.last[i];
     }
-    light.known = corners.known;
     return light;
-}
-
-LightgridLight lightgrid_light(vec3 position) {
-    return lightgrid_interpolate(lightgrid_corners(position));
 }
 
 LightgridLight lightgrid_filtered_light(vec3 position) {

@@ -10,6 +10,7 @@
 #include <array>
 #include <cmath>
 #include <mutex>
+#include <span>
 
 namespace lightgrid {
 namespace {
@@ -35,6 +36,15 @@ constexpr int most_looks_for_light = 4;
 /// Of the spacing: nearer to a surface than this, a probe is moved. Less lets probes into cracks that their cells do
 /// not look like: with 0.01 one between a ceiling and the lamp below it doubles the error of a whole Cornell box.
 constexpr float clearance_share = 0.1F;
+
+/// Of the cells of a probe on its grid's border, weighted as they are interpolated.
+constexpr std::uint32_t space_points = 64;
+/// Such a probe moves through a wall to see this many times as much of its cells.
+constexpr float gain_worth_a_wall = 1.25F;
+/// Of the most that is seen from anywhere near: a nearer place with as much will do.
+constexpr float enough_seen = 0.75F;
+constexpr std::size_t most_places = 8;
+constexpr int steps_to_place = 8;
 
 /// Of a step: a surface this near is one that the probe is on, and both of its sides are open to it.
 constexpr float on_surface = 0.05F;
@@ -180,6 +190,68 @@ std::optional<glm::vec3> freeing_offset(const Tracer& tracer, const Stuck& probe
     return found == candidates.end() ? std::nullopt : std::optional(*found);
 }
 
+/// Points in the cells around a probe that are inside its box, as dense as its weight there: a tent along each axis,
+/// half of one on a border. Empty for a probe in the lattice's inside.
+std::vector<glm::vec3> space_of_border_probe(const Stuck& probe) {
+    const glm::vec3 cell = 2.0F * probe.reach;
+    const auto below = glm::greaterThan(probe.point - probe.reach, glm::vec3(probe.limits.min));
+    const auto above = glm::lessThan(probe.point + probe.reach, glm::vec3(probe.limits.max));
+    if (glm::all(below) && glm::all(above)) return {};
+    std::vector<glm::vec3> space(space_points, probe.point);
+    for (std::uint32_t i = 0; i < space_points; ++i) {
+        const glm::vec3 u(sobol_point(i, 0), (static_cast<float>(i) + 0.5F) / space_points);
+        for (int axis = 0; axis < 3; ++axis) {
+            const bool both = below[axis] && above[axis];
+            const float toward = both ? std::abs(2 * u[axis] - 1) : u[axis];
+            const bool down = both ? u[axis] < 0.5F : below[axis];
+            space[i][axis] += (down ? -1.0F : 1.0F) * (1 - std::sqrt(toward)) * cell[axis];
+        }
+    }
+    return space;
+}
+
+/// For a probe that, moved by `current`, is walled off from most of the points of `space`, as all behind a level's outer
+/// wall are: the least offset towards a place that sees much more of them, or none.
+std::optional<glm::vec3> offset_into_view(const Tracer& tracer, const Stuck& probe, glm::vec3 current,
+                                          std::span<const glm::vec3> space, const LightEvidence& light) {
+    const auto seen_from = [&](glm::vec3 place) {
+        return static_cast<float>(std::count_if(space.begin(), space.end(), [&](glm::vec3 point) {
+            return !tracer.closest_hit(place, point - place, 1).found();
+        }));
+    };
+    const float seen = seen_from(probe.point + current);
+    if (2 * seen >= static_cast<float>(space.size())) return {};
+
+    struct Place {
+        glm::vec3 offset;
+        float seen;
+    };
+    std::vector<Place> places;
+    for (const glm::vec3 point : space_of_border_probe(probe)) {
+        const glm::vec3 offset = point - probe.point;
+        if (glm::all(glm::lessThanEqual(glm::abs(offset), probe.reach))) places.push_back({offset, 0});
+    }
+    std::sort(places.begin(), places.end(), [](const Place& a, const Place& b) {
+        return glm::dot(a.offset, a.offset) > glm::dot(b.offset, b.offset);
+    });
+    places.resize(std::min(places.size(), most_places));  // the farthest in
+    float most = 0;
+    for (Place& place : places) {
+        place.seen = seen_from(probe.point + place.offset);
+        most = std::max(most, place.seen);
+    }
+    if (most < gain_worth_a_wall * seen || most == 0) return {};
+    for (const Place& place : places) {
+        if (place.seen < enough_seen * most) continue;
+        for (int step = 1; step <= steps_to_place; ++step) {
+            const glm::vec3 offset = place.offset * (static_cast<float>(step) / steps_to_place);
+            const glm::vec3 there = probe.point + offset;
+            if (seen_from(there) >= enough_seen * most && is_free(tracer, there, probe.clearance, light)) return offset;
+        }
+    }
+    return {};
+}
+
 /// Lattice coordinates of every slot of one grid, and back.
 struct LatticeIndex {
     const Grid* grid;
@@ -210,29 +282,29 @@ struct LatticeIndex {
     }
 };
 
-bool has_valid_neighbour(const Volume& volume, const LatticeIndex& lattice, glm::ivec3 probe) {
-    for (int i = 0; i < 27; ++i) {
-        const std::int64_t slot = lattice.slot(probe + glm::ivec3(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1));
-        if (slot >= 0 && is_valid(volume.states[static_cast<std::size_t>(slot)])) return true;
-    }
-    return false;
-}
+/// A probe on a face of its grid's box, and all that it shares a cell with.
+struct BorderProbe {
+    std::size_t slot;
+    std::vector<std::size_t> neighbours;
+};
 
-/// Invalid probes on the faces of their grid's box, none of whose cells has a valid one.
-std::vector<std::size_t> border_probes_without_valid_neighbours(const Volume& volume) {
-    std::vector<std::size_t> slots;
+std::vector<BorderProbe> border_probes(const Volume& volume) {
+    std::vector<BorderProbe> border;
     for (int g = 0; g < static_cast<int>(volume.grids.size()); ++g) {
         const LatticeIndex lattice(volume, g);
         for (std::size_t i = 0; i < lattice.slot_of.size(); ++i) {
             const glm::ivec3 probe = lattice.probe(i);
-            const bool on_border =
+            const bool on_face =
                 glm::any(glm::equal(probe, glm::ivec3(0))) || glm::any(glm::equal(probe, lattice.grid->counts - 1));
-            if (on_border && lattice.slot_of[i] >= 0 && !has_valid_neighbour(volume, lattice, probe)) {
-                slots.push_back(static_cast<std::size_t>(lattice.slot_of[i]));
+            if (!on_face || lattice.slot_of[i] < 0) continue;
+            BorderProbe& found = border.emplace_back(BorderProbe{static_cast<std::size_t>(lattice.slot_of[i]), {}});
+            for (int k = 0; k < 27; ++k) {
+                const std::int64_t slot = lattice.slot(probe + glm::ivec3(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1));
+                if (k != 13 && slot >= 0) found.neighbours.push_back(static_cast<std::size_t>(slot));
             }
         }
     }
-    return slots;
+    return border;
 }
 
 /// A filling of one probe, computed from the volume as it is and applied later, so that order does not matter.
@@ -390,36 +462,76 @@ PlacementCounts place_probes(Volume& volume, const Tracer& tracer, const LightEv
                              const std::function<void(std::size_t)>& done) {
     const glm::dvec3 origin = tracer.scene().origin;
     std::vector<glm::vec3> offsets(volume.slots(), glm::vec3(0));
-    const auto place = [&](std::size_t slot, bool within_box) {
+    const auto examine = [&](std::size_t slot) {
         Stuck probe;
         probe.point = glm::vec3(lattice_position(volume, slot) - origin);
         probe.seen = look_around(tracer, probe.point);
         probe.inside = is_inside(probe.point, suspect(probe.seen, light.has_sky), light);
-        volume.states[slot] = probe.inside ? ProbeState::missing : ProbeState::valid;
-        if (slot >= volume.list_start()) return;  // never moved
-
+        if (slot >= volume.list_start()) return probe;
         const Grid& grid = volume.grids[volume.bricks[slot / probes_per_brick].grid];
         probe.reach = glm::vec3(0.5 * grid.spacing);
         probe.clearance =
             clearance_share * static_cast<float>(std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z}));
-        probe.touching = touches(tracer, probe.point, probe.clearance);
-        if (!probe.inside && !probe.touching) return;
         probe.limits = {grid.origin - origin, grid.position(grid.counts - 1) - origin};
-        if (!within_box) probe.limits = {probe.limits.min - grid.spacing, probe.limits.max + grid.spacing};
-        const std::optional<glm::vec3> offset = freeing_offset(tracer, probe, light);
+        probe.touching = touches(tracer, probe.point, probe.clearance);
+        return probe;
+    };
+    const auto settle = [&](std::size_t slot, std::optional<glm::vec3> offset) {
         volume.states[slot] = offset ? ProbeState::moved : ProbeState::missing;
         offsets[slot] = offset.value_or(glm::vec3(0));
     };
     std::mutex mutex;
     std::size_t looked_at = 0;
-    for_each_index(volume.slots(), [&](std::size_t slot) {
-        if (volume.states[slot] != ProbeState::absent) place(slot, true);
+    const auto tell = [&](std::size_t more) {
         if (!done) return;
         const std::lock_guard lock(mutex);
-        done(++looked_at);
+        looked_at += more;
+        done(looked_at);
+    };
+
+    for_each_index(volume.slots(), [&](std::size_t slot) {
+        tell(1);
+        if (volume.states[slot] == ProbeState::absent) return;
+        const Stuck probe = examine(slot);
+        volume.states[slot] = probe.inside ? ProbeState::missing : ProbeState::valid;
+        const bool is_listed = slot >= volume.list_start();
+        if (!is_listed && (probe.inside || probe.touching)) settle(slot, freeing_offset(tracer, probe, light));
     });
-    const std::vector<std::size_t> alone = border_probes_without_valid_neighbours(volume);
-    for_each_index(alone.size(), [&](std::size_t i) { place(alone[i], false); });
+
+    const std::vector<BorderProbe> border = border_probes(volume);
+    for_each_index(border.size(), [&](std::size_t i) {
+        tell(0);
+        const auto& [slot, neighbours] = border[i];
+        const auto is_valid_slot = [&](std::size_t other) { return is_valid(volume.states[other]); };
+        if (is_valid_slot(slot) || std::any_of(neighbours.begin(), neighbours.end(), is_valid_slot)) return;
+        Stuck probe = examine(slot);
+        probe.limits = {probe.limits.min - glm::dvec3(2.0F * probe.reach),
+                        probe.limits.max + glm::dvec3(2.0F * probe.reach)};
+        settle(slot, freeing_offset(tracer, probe, light));
+    });
+    // Through the outer wall: those on faces by what there is in their cells, then those on edges and in corners, which
+    // have more of their cells outside, after their neighbours.
+    for (int round = 0; round < 3; ++round) {
+        std::vector<std::optional<glm::vec3>> moves(border.size());
+        for_each_index(border.size(), [&](std::size_t i) {
+            tell(0);
+            const auto& [slot, neighbours] = border[i];
+            if (!is_valid(volume.states[slot])) return;
+            const Stuck probe = examine(slot);
+            if (probe.inside || probe.seen.hits.empty()) return;
+            if (probe.seen.hits.front().distance > glm::length(probe.reach)) return;
+            std::vector<glm::vec3> space;
+            if (round == 0) space = space_of_border_probe(probe);
+            for (const std::size_t other : neighbours) {
+                if (round == 0 || !is_valid(volume.states[other])) continue;
+                space.push_back(glm::vec3(lattice_position(volume, other) - origin) + offsets[other]);
+            }
+            moves[i] = offset_into_view(tracer, probe, offsets[slot], space, light);
+        });
+        for (std::size_t i = 0; i < border.size(); ++i) {
+            if (moves[i]) settle(border[i].slot, moves[i]);
+        }
+    }
 
     PlacementCounts counts;
     for (const ProbeState state : volume.states) {

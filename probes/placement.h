@@ -52,10 +52,12 @@ struct LightEvidence {
 ///
 /// A probe inside something, or too near to a surface, is moved by the least offset within half a cell that frees it:
 /// out of the solid that it is in, but through no other surface, and not out of its grid's box, unless no probe that it
-/// shares a cell with is valid (on a slab, what is above it counts). Probes of a list stay where they are and are
-/// marked only.
+/// shares a cell with is valid (on a slab, what is above it counts). A probe on its grid's border that a wall hides from
+/// most of its cells, as the outer wall of a room hides what is behind it, is moved through that wall. Probes of a list
+/// stay where they are and are marked only.
 ///
-/// done  called with how many slots have been looked at, from any thread, one at a time; what it throws comes out
+/// done  called with how many slots have been come to, from any thread, one at a time; what it throws ends the work and
+///       comes out
 PlacementCounts place_probes(Volume& volume, const Tracer& tracer, const LightEvidence& light,
                              const std::function<void(std::size_t)>& done = {});
 

@@ -62,6 +62,7 @@ namespace lightgrid {
     X(PFNGLTEXBUFFERPROC, TexBuffer)                                     \
     X(PFNGLTEXIMAGE2DPROC, TexImage2D)                                   \
     X(PFNGLTEXIMAGE2DMULTISAMPLEPROC, TexImage2DMultisample)             \
+    X(PFNGLTEXIMAGE3DPROC, TexImage3D)                                   \
     X(PFNGLTEXPARAMETERIPROC, TexParameteri)                             \
     X(PFNGLUNIFORM1FPROC, Uniform1f)                                     \
     X(PFNGLUNIFORM1IPROC, Uniform1i)                                     \

@@ -7,6 +7,7 @@
 #include "core/gltf.h"
 #include "core/tracer.h"
 #include "core/whole_file.h"
+#include "tools/program.h"
 
 #include <fmt/format.h>
 
@@ -149,7 +150,7 @@ class Exporter {
 };
 
 int run(int argc, char** argv) {
-    if (argc != 3) throw Error("call it with LEVEL and FOLDER", "bench_export_level");
+    if (argc != 3) throw Error("call it with LEVEL and FOLDER");
     fs::create_directories(argv[2]);
     const Scene scene = load_level(argv[1]);
     Exporter(scene, argv[2]).run();
@@ -160,10 +161,5 @@ int run(int argc, char** argv) {
 }  // namespace lightgrid
 
 int main(int argc, char** argv) {
-    try {
-        return lightgrid::run(argc, argv);
-    } catch (const lightgrid::Error& error) {
-        fmt::print(stderr, "bench_export_level: {}\n", error.what());
-        return static_cast<int>(error.fault());
-    }
+    return lightgrid::run_program("bench_export_level", [&] { return lightgrid::run(argc, argv); });
 }

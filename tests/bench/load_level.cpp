@@ -11,6 +11,7 @@
 #include "core/whole_file.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/raw_scene.h"
+#include "tools/program.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -78,7 +79,7 @@ struct Column {
 };
 
 int run(int argc, char** argv) {
-    if (argc != 2) throw Error("call it with LEVEL", "bench_load_level");
+    if (argc != 2) throw Error("call it with LEVEL");
     const fs::path level = argv[1];
     const std::vector<fs::path> files = needed_images(level);
     Column load, build, decode, commit;
@@ -129,10 +130,5 @@ int run(int argc, char** argv) {
 }  // namespace lightgrid
 
 int main(int argc, char** argv) {
-    try {
-        return lightgrid::run(argc, argv);
-    } catch (const lightgrid::Error& error) {
-        fmt::print(stderr, "bench_load_level: {}\n", error.what());
-        return static_cast<int>(error.fault());
-    }
+    return lightgrid::run_program("bench_load_level", [&] { return lightgrid::run(argc, argv); });
 }

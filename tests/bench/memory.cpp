@@ -12,6 +12,7 @@
 #include "core/tracer.h"
 #include "probes/paths.h"
 #include "tests/bench/raw_scene.h"
+#include "tools/program.h"
 
 #include <fmt/format.h>
 
@@ -141,10 +142,8 @@ void measure(const char* path) {
 }  // namespace lightgrid
 
 int main(int argc, char** argv) {
-    try {
+    return lightgrid::run_program("bench_memory", [&] {
         for (int i = 1; i < argc; ++i) lightgrid::measure(argv[i]);
-    } catch (const lightgrid::Error& error) {
-        fmt::print(stderr, "bench_memory: {}\n", error.what());
-        return static_cast<int>(error.fault());
-    }
+        return 0;
+    });
 }

@@ -11,6 +11,7 @@
 #include "probes/gather.h"
 #include "tests/bench/measure.h"
 #include "tools/csv.h"
+#include "tools/program.h"
 
 #include <fmt/format.h>
 
@@ -25,7 +26,7 @@ constexpr std::uint32_t replicates = 64;
 constexpr double dark = 0.01;  // points with less of the median irradiance do not count by themselves
 
 int run(int argc, char** argv) {
-    if (argc < 3) throw Error("call it with LEVEL and POINTS.csv", "bench_path_gather");
+    if (argc < 3) throw Error("call it with LEVEL and POINTS.csv");
     const Scene scene = load_level(argv[1]);
     const Tracer tracer(scene);
     const Environment environment = argc > 4 ? load_environment(argv[4]).environment : Environment();
@@ -80,10 +81,5 @@ int run(int argc, char** argv) {
 }  // namespace lightgrid
 
 int main(int argc, char** argv) {
-    try {
-        return lightgrid::run(argc, argv);
-    } catch (const lightgrid::Error& error) {
-        fmt::print(stderr, "bench_path_gather: {}\n", error.what());
-        return static_cast<int>(error.fault());
-    }
+    return lightgrid::run_program("bench_path_gather", [&] { return lightgrid::run(argc, argv); });
 }

@@ -11,6 +11,7 @@
 #include "core/tracer.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/raw_scene.h"
+#include "tools/program.h"
 
 #include <fmt/format.h>
 
@@ -25,7 +26,7 @@ namespace {
 constexpr int rounds = 9;
 
 int run(int argc, char** argv) {
-    if (argc < 2) throw Error("no LEVEL given", "bench_primary_rays");
+    if (argc < 2) throw Error("no LEVEL given");
     const std::size_t points = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1024;
     const std::uint32_t rays = argc > 3 ? static_cast<std::uint32_t>(std::strtoul(argv[3], nullptr, 10)) : 1024;
 
@@ -99,10 +100,5 @@ int run(int argc, char** argv) {
 }  // namespace lightgrid
 
 int main(int argc, char** argv) {
-    try {
-        return lightgrid::run(argc, argv);
-    } catch (const lightgrid::Error& error) {
-        fmt::print(stderr, "bench_primary_rays: {}\n", error.what());
-        return static_cast<int>(error.fault());
-    }
+    return lightgrid::run_program("bench_primary_rays", [&] { return lightgrid::run(argc, argv); });
 }

@@ -238,6 +238,25 @@ TEST(Placement, TheOutsideOfALevelWithoutASkyIsInvalid) {
     EXPECT_EQ(place_probes(volume, tracer, dark_below_sky).valid, 27U) << "with a sky it is the open";
 }
 
+TEST(Placement, BorderProbesBehindTheOuterWallsOfARoomAreMovedIntoIt) {
+    Scene scene;
+    add_box(scene, add_grey(scene, 0.5F), glm::vec3(-1), glm::vec3(1), Facing::inward);
+    const Tracer tracer(scene);
+    const LightEvidence all_lit = {[](glm::vec3) { return 1.0; }, true};
+    // Cells of 0.55 m; the walls are 0.1 m inside of the border: what is behind them is a third of what weighs there.
+    Volume volume = make_volume({grid_over(glm::dvec3(-1.1), glm::dvec3(1.1), glm::ivec3(5))}, 1);
+    const PlacementCounts counts = place_probes(volume, tracer, all_lit);
+    EXPECT_EQ(counts.moved, 125U - 27U);
+    for (std::size_t slot = 0; slot < volume.slots(); ++slot) {
+        if (volume.states[slot] == ProbeState::absent) continue;
+        const glm::dvec3 place = glm::abs(gather_position(volume, slot));
+        EXPECT_LT(std::max({place.x, place.y, place.z}), 1) << "slot " << slot;
+    }
+    // Walls farther in than half a cell: most of what weighs at the border is outside.
+    volume = make_volume({grid_over(glm::dvec3(-1.4), glm::dvec3(1.4), glm::ivec3(5))}, 1);
+    EXPECT_EQ(place_probes(volume, tracer, all_lit).moved, 0U);
+}
+
 TEST(Placement, ProbesOfAListAreMarkedButNeverMoved) {
     const Crate crate;
     const Tracer tracer(crate.scene);

@@ -5,6 +5,7 @@
 #include "probes/half_storage.h"
 #include "probes/sampler.h"
 #include "tests/unit/glsl_on_cpu.h"
+#include "tests/unit/random_volume.h"
 
 #include <gtest/gtest.h>
 
@@ -32,79 +33,6 @@ glsl::Shader shader_of(int bands) {
     return bands == 1 ? one_band::program() : bands == 2 ? two_bands::program() : three_bands::program();
 }
 
-/// Light that is different at every probe and bright enough in band 0 for irradiance to be positive; states by `state`.
-template <typename State>
-Volume random_volume(std::vector<Grid> grids, int bands, State state) {
-    Volume volume = make_volume(std::move(grids), bands);
-    std::mt19937 random(11);
-    std::uniform_real_distribution<float> uniform(-1, 1);
-    for (std::size_t slot = 0; slot < volume.slots(); ++slot) {
-        if (volume.states[slot] == ProbeState::absent) continue;
-        volume.states[slot] = state(random);
-        const float brightness = std::exp2(4 * uniform(random));
-        for (std::size_t i = 0; i < volume.sh_size(); ++i) {
-            const glm::vec3 noise(uniform(random), uniform(random), uniform(random));
-            volume.coefficients[slot * volume.sh_size() + i] = brightness * (i == 0 ? 3.0F + noise : 0.5F * noise);
-        }
-    }
-    check_volume(volume);
-    return volume;
-}
-
-ProbeState all_valid(std::mt19937&) {
-    return ProbeState::valid;
-}
-
-/// Half of the probes are invalid, so that cells of all kinds occur.
-ProbeState any_state(std::mt19937& random) {
-    constexpr std::array<ProbeState, 6> states{ProbeState::valid,  ProbeState::valid,  ProbeState::moved,
-                                               ProbeState::filled, ProbeState::filled, ProbeState::missing};
-    return states[random() % states.size()];
-}
-
-/// Takes every third brick away.
-void thin_out(Volume& volume) {
-    Volume thinned = volume;
-    thinned.bricks.clear();
-    thinned.states.clear();
-    thinned.coefficients.clear();
-    for (std::size_t b = 0; b < volume.bricks.size(); ++b) {
-        if (b % 3 == 1) continue;
-        thinned.bricks.push_back(volume.bricks[b]);
-        for (std::size_t p = 0; p < probes_per_brick; ++p) {
-            const std::size_t slot = b * probes_per_brick + p;
-            thinned.states.push_back(volume.states[slot]);
-            const auto sh = volume.sh(slot);
-            thinned.coefficients.insert(thinned.coefficients.end(), sh.begin(), sh.end());
-        }
-    }
-    thinned.errors.assign(thinned.coefficients.size(), glm::vec3(0));
-    thinned.axis_errors.assign(6 * thinned.states.size(), glm::vec3(0));
-    check_volume(thinned);
-    volume = std::move(thinned);
-}
-
-struct Query {
-    glm::vec3 position;  // relative to the textures' origin
-    glm::vec3 normal;
-};
-
-/// Points in and around the grids' box.
-std::vector<Query> random_queries(const Volume& volume, glm::dvec3 origin, int count) {
-    std::mt19937 random(5);
-    std::uniform_real_distribution<double> uniform(-0.1, 1.1);
-    std::normal_distribution<float> normal;
-    std::vector<Query> queries;
-    for (int i = 0; i < count; ++i) {
-        const Grid& grid = volume.grids[static_cast<std::size_t>(i) % volume.grids.size()];
-        const glm::dvec3 share(uniform(random), uniform(random), uniform(random));
-        const glm::dvec3 position = grid.origin + share * (grid.spacing * glm::dvec3(grid.counts - 1));
-        queries.push_back(
-            {glm::vec3(position - origin), glm::normalize(glm::vec3(normal(random), normal(random), normal(random)))});
-    }
-    return queries;
-}
-
 /// The largest difference of irradiance from the Sampler's, relative to the mean irradiance at the point.
 struct Difference {
     double largest = 0;
@@ -130,13 +58,10 @@ Difference compare(const Volume& volume, glm::dvec3 origin, glm::vec3 (*shader)(
     return result;
 }
 
-const Grid fine{{-3.3, 7.1, 100.7}, {0.31, 0.4, 0.29}, {10, 6, 14}};
-const Grid coarse{{-5.1, 6.2, 99}, {1.3, 1.1, 1.7}, {8, 7, 5}};
-
 TEST(VolumeTextures, AnswerAsTheSamplerDoes) {
     for (int bands = 1; bands <= 3; ++bands) {
         for (const bool sparse : {false, true}) {
-            Volume volume = random_volume({coarse, fine}, bands, any_state);
+            Volume volume = random_volume({coarse_grid, fine_grid}, bands, any_state);
             if (sparse) thin_out(volume);
             const glsl::Shader shader = shader_of(bands);
             const VolumeTextures textures = pack_volume(volume);
@@ -148,7 +73,7 @@ TEST(VolumeTextures, AnswerAsTheSamplerDoes) {
 }
 
 TEST(VolumeTextures, KnowHowMuchOfTheLightIsKnown) {
-    Volume volume = random_volume({coarse, fine}, 1, any_state);
+    Volume volume = random_volume({coarse_grid, fine_grid}, 1, any_state);
     thin_out(volume);
     const glsl::Shader shader = shader_of(1);
     const VolumeTextures textures = pack_volume(volume);
@@ -165,7 +90,7 @@ TEST(VolumeTextures, KnowHowMuchOfTheLightIsKnown) {
 
 TEST(VolumeTextures, AnswerAtProbesAndOnFarFaces) {
     // With spacings and origins that no float holds, positions of probes are off by rounding in the shader.
-    Volume volume = random_volume({coarse, fine}, 1, any_state);
+    Volume volume = random_volume({coarse_grid, fine_grid}, 1, any_state);
     thin_out(volume);
     const Sampler sampler(volume);
     const glsl::Shader shader = shader_of(1);
@@ -214,7 +139,7 @@ TEST(VolumeTextures, FindBricksBehindTheFirstRowOfTheIndex) {
 }
 
 TEST(VolumeTextures, AsHalfAreAsGoodAsHalfIs) {
-    Volume volume = random_volume({coarse, fine}, 3, any_state);
+    Volume volume = random_volume({coarse_grid, fine_grid}, 3, any_state);
     // Sunlight in one brick and starlight in another: beyond the range of half without a scale each.
     for (std::size_t i = 0; i < volume.coefficients.size(); ++i) {
         const std::size_t brick = i / 9 / probes_per_brick;
@@ -239,7 +164,7 @@ TEST(VolumeTextures, AsHalfAreAsGoodAsHalfIs) {
 }
 
 TEST(VolumeTextures, LeaveHigherBandsOut) {
-    const Volume volume = random_volume({fine}, 5, all_valid);
+    const Volume volume = random_volume({fine_grid}, 5, all_valid);
     for (int bands = 1; bands <= 3; ++bands) {
         const glsl::Shader shader = shader_of(bands);
         const VolumeTextures textures = pack_volume(volume, {.bands = bands});
@@ -250,7 +175,7 @@ TEST(VolumeTextures, LeaveHigherBandsOut) {
 }
 
 TEST(VolumeTextures, GiveRadianceToo) {
-    const Volume volume = random_volume({fine}, 3, all_valid);
+    const Volume volume = random_volume({fine_grid}, 3, all_valid);
     const glsl::Shader shader = shader_of(3);
     const VolumeTextures textures = pack_volume(volume);
     shader.bind(textures);
@@ -271,12 +196,12 @@ TEST(VolumeTextures, RefuseAProbeList) {
 
 TEST(FilteredTextures, AnswerAsTheSamplerDoesWhereAllProbesAreValid) {
     for (int bands = 1; bands <= 3; ++bands) {
-        const Volume volume = random_volume({fine}, bands, all_valid);
+        const Volume volume = random_volume({fine_grid}, bands, all_valid);
         const glsl::Shader shader = shader_of(bands);
         for (const bool half : {false, true}) {
             const FilteredTextures textures = pack_filtered(volume, {.half = half});
             ASSERT_EQ(textures.probes.size(), static_cast<std::size_t>(texels_per_probe(bands)));
-            EXPECT_EQ(textures.probes[0].size, fine.counts);
+            EXPECT_EQ(textures.probes[0].size, fine_grid.counts);
             shader.bind_filtered(textures);
             EXPECT_LT(compare(volume, textures.origin, shader.filtered_irradiance).largest, half ? 5 * 0x1p-11 : 1e-3)
                 << bands << " bands";
@@ -300,8 +225,8 @@ TEST(FilteredTextures, TakeFilledProbesForLight) {
 }
 
 TEST(FilteredTextures, RefuseWhatIsNoSingleDenseGrid) {
-    EXPECT_THROW(static_cast<void>(pack_filtered(random_volume({coarse, fine}, 1, all_valid))), Error);
-    Volume sparse = random_volume({fine}, 1, all_valid);
+    EXPECT_THROW(static_cast<void>(pack_filtered(random_volume({coarse_grid, fine_grid}, 1, all_valid))), Error);
+    Volume sparse = random_volume({fine_grid}, 1, all_valid);
     EXPECT_TRUE(is_dense(sparse));
     thin_out(sparse);
     EXPECT_FALSE(is_dense(sparse));
