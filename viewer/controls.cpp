@@ -1,9 +1,12 @@
 #include "viewer/controls.h"
 
+#include "core/error.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <utility>
 
@@ -21,12 +24,17 @@ constexpr std::array bindings{
     KeyBinding{Key::digit_4, Action::no_object, "4", "no object"},
     KeyBinding{Key::f, Action::follow, "F", "the object follows the camera, or stays"},
     KeyBinding{Key::x, Action::split, "X", "split screen: what is set from now on holds on the right"},
-    KeyBinding{Key::l, Action::level_light, "L", "light of the level: per vertex, constant, none"},
-    KeyBinding{Key::o, Action::object_light, "O", "light of the object: by look-up, constant"},
+    KeyBinding{Key::l, Action::level_light, "L", "light of the level: per vertex, per pixel, none, constant"},
+    KeyBinding{Key::o, Action::object_light, "O", "light of the object: by one look-up, per pixel, constant"},
     KeyBinding{Key::b, Action::bands, "B", "bands that are used: 1, 2, 3"},
     KeyBinding{Key::n, Action::filter, "N", "nearest probe or trilinear"},
     KeyBinding{Key::g, Action::dering, "G", "deringing of the object's light"},
     KeyBinding{Key::h, Action::half, "H", "coefficients rounded to half"},
+    KeyBinding{Key::j, Action::contact_shadow, "J", "contact shadow of the object"},
+    KeyBinding{Key::k, Action::self_shadowing, "K", "what the object hides and reflects of itself"},
+    KeyBinding{Key::v, Action::level_colors, "V", "false colours on the level: none, irradiance, standard error"},
+    KeyBinding{Key::z, Action::probes, "Z", "probes: none, in sight, through walls"},
+    KeyBinding{Key::c, Action::cell, "C", "the cell that the object is in, with its weights"},
     KeyBinding{Key::comma, Action::less_gain, ",", "less light from the volume"},
     KeyBinding{Key::period, Action::more_gain, ".", "more light from the volume"},
     KeyBinding{Key::minus, Action::less_exposure, "-", "shorter exposure"},
@@ -107,10 +115,10 @@ bool apply(Action action, Settings& settings) {
             settings.tone = next(settings.tone, 3);
             return true;
         case Action::level_light:
-            settings.level_light = next(settings.level_light, 3);
+            settings.level_light = next(settings.level_light, 4);
             return true;
         case Action::object_light:
-            settings.object_light = next(settings.object_light, 2);
+            settings.object_light = next(settings.object_light, 3);
             return true;
         case Action::bands:
             settings.bands = settings.bands % most_used_bands + 1;
@@ -124,9 +132,37 @@ bool apply(Action action, Settings& settings) {
         case Action::half:
             settings.half = !settings.half;
             return true;
+        case Action::contact_shadow:
+            settings.contact_shadow = !settings.contact_shadow;
+            return true;
+        case Action::self_shadowing:
+            settings.self_shadowing = !settings.self_shadowing;
+            return true;
+        case Action::level_colors:
+            settings.level_colors = next(settings.level_colors, 3);
+            return true;
+        case Action::probes:
+            settings.probes = next(settings.probes, 3);
+            return true;
+        case Action::cell:
+            settings.show_cell = !settings.show_cell;
+            return true;
         default:
             return false;
     }
+}
+
+Settings settings_after(std::string_view keys) {
+    Settings settings;
+    for (const char printed : keys) {
+        const auto key = static_cast<Key>(std::toupper(static_cast<unsigned char>(printed)));
+        const std::optional<Action> action = action_of(key);
+        if (!action || !apply(*action, settings)) {
+            throw Error(fmt::format("no setting is switched by the key \"{}\"", printed), {},
+                        "fly-through shows the keys with F1; README.md lists them");
+        }
+    }
+    return settings;
 }
 
 }  // namespace lightgrid

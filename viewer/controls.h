@@ -36,6 +36,11 @@ enum class Action : std::uint8_t {
     filter,
     dering,
     half,
+    contact_shadow,
+    self_shadowing,
+    level_colors,
+    probes,
+    cell,
 };
 
 struct KeyBinding {
@@ -68,5 +73,9 @@ inline constexpr double look_deg_per_pixel = 0.15;
 
 /// Carries out an action that is about settings alone; false: it is about something else.
 bool apply(Action action, Settings& settings);
+
+/// The default settings after keys, named as they are printed ("zv"), have been pressed. Throws Error (Fault::input) for a
+/// key that no setting is switched by.
+[[nodiscard]] Settings settings_after(std::string_view keys);
 
 }  // namespace lightgrid

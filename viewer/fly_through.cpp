@@ -7,6 +7,7 @@
 #include "probes/volume_file.h"
 #include "tools/light_options.h"
 #include "tools/program.h"
+#include "viewer/controls.h"
 #include "viewer/default_flight.h"
 #include "viewer/headless.h"
 #include "viewer/interactive.h"
@@ -38,6 +39,7 @@ struct Call {
     std::optional<int> frames;
     std::string size = "1280x720";
     std::string shaders;
+    std::string press;
     bool quiet = false;
 };
 
@@ -76,6 +78,9 @@ void add_options(CLI::App& app, Call& call) {
         ->capture_default_str();
     app.add_option("--shaders", call.shaders, "Takes shaders from this folder that have the name of a built-in one")
         ->type_name("DIR");
+    app.add_option("--press", call.press, "Starts with the settings that these keys switch to (help: F1 in the window)")
+        ->type_name("KEYS")
+        ->check(checked([](const std::string& text) { static_cast<void>(settings_after(text)); }));
     add_light_options(app, call.light);
 
     const char* pictures = "Pictures without a display";
@@ -184,7 +189,7 @@ void render_frames(const Call& call, const fs::path& folder, const Tracer& trace
     if (!flight) flight = std::move(default_flight.flight);
     const Lens lens = lens_for(glm::length(scene.bounds.size()), default_flight.object_size);
     const glm::ivec2 size = parse_size(call.size);
-    const Pane pane{{glm::ivec2(0), size}, Settings{}};
+    const Pane pane{{glm::ivec2(0), size}, settings_after(call.press)};
     const int frames = call.frames.value_or(frame_count(*flight));
     if (frames > most_frames) {
         throw Error(fmt::format("asks for {} frames; {} are the most", frames, most_frames), call.path,
@@ -229,6 +234,7 @@ int run(const Call& call) {
                     .flight = std::move(flight),
                     .object = std::move(object),
                     .shaders = std::move(shaders),
+                    .settings = settings_after(call.press),
                     .size = parse_size(call.size),
                     .quiet = call.quiet});
     return 0;

@@ -42,6 +42,7 @@ class Interactive {
           window_("fly-through: " + scene_.name, show_.size),
           renderer_(window_.gl(), show_.shaders) {
         const double diagonal = glm::length(scene_.bounds.size());
+        session_.settings = show_.settings;
         session_.motion.speed = 0.1 * diagonal;
         session_.object.size = static_cast<float>(0.03 * diagonal);
         session_.lens = lens_for(diagonal, session_.object.size);

@@ -3,6 +3,7 @@
 #include "probes/paths.h"
 #include "viewer/flight.h"
 #include "viewer/object.h"
+#include "viewer/settings.h"
 #include "viewer/shader.h"
 #include "viewer/volume_watch.h"
 
@@ -25,6 +26,7 @@ struct Show {
     std::optional<Flight> flight;             // none: the default one
     std::optional<ObjectMesh> object;         // what --object names, 1 m large
     ShaderSources shaders;
+    Settings settings;  // to start with
     glm::ivec2 size{1280, 720};
     bool quiet = false;
 };

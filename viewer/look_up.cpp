@@ -13,6 +13,8 @@ namespace lightgrid {
 namespace {
 
 constexpr int most_bands = 3;
+/// Of the volume's usual light: errors are no larger a share of darker places' light than of this.
+constexpr float darkest_share = 0.01F;
 
 double finest_spacing_of(const Volume& volume) {
     double finest = std::numeric_limits<double>::infinity();
@@ -54,8 +56,7 @@ LookUp look_up(const LitVolume& volume, const Settings& settings) {
             .bands = settings.bands};
 }
 
-Sh9 radiance_sh(const LookUp& from, glm::dvec3 position) {
-    const Volume& volume = from.volume->volume;
+Sampler::Corners corners_of(const LookUp& from, glm::dvec3 position) {
     Sampler::Corners corners = from.volume->sampler.corners(position);
     if (from.filter == Filter::nearest && corners.count > 0) {
         const auto nearest = std::max_element(corners.weights.begin(), corners.weights.begin() + corners.count);
@@ -63,6 +64,12 @@ Sh9 radiance_sh(const LookUp& from, glm::dvec3 position) {
         corners.weights[0] = 1;
         corners.count = 1;
     }
+    return corners;
+}
+
+Sh9 radiance_sh(const LookUp& from, glm::dvec3 position) {
+    const Volume& volume = from.volume->volume;
+    const Sampler::Corners corners = corners_of(from, position);
     Sh9 sh{};
     const auto used = static_cast<std::size_t>(sh_size(std::min({from.bands, volume.bands, most_bands})));
     for (int c = 0; c < corners.count; ++c) {
@@ -83,6 +90,26 @@ Sh9 irradiance_sh(const LookUp& from, glm::dvec3 position, bool dering) {
 glm::vec3 surface_irradiance(const LookUp& from, glm::dvec3 position, glm::vec3 normal) {
     const glm::dvec3 off = position + static_cast<double>(from.normal_bias) * glm::dvec3(normal);
     return glm::max(irradiance_from_sh(radiance_sh(from, off), normal), 0.0F);
+}
+
+float surface_error(const LookUp& from, glm::dvec3 position, glm::vec3 normal) {
+    const Volume& volume = from.volume->volume;
+    const glm::dvec3 off = position + static_cast<double>(from.normal_bias) * glm::dvec3(normal);
+    const Sampler::Corners corners = corners_of(from, off);
+    double variance = 0;
+    float mean = 0;
+    for (int c = 0; c < corners.count; ++c) {
+        const std::size_t slot = corners.slots[static_cast<std::size_t>(c)];
+        const auto weight = static_cast<double>(corners.weights[static_cast<std::size_t>(c)]);
+        mean += static_cast<float>(weight) * luminance(mean_of(volume.sh(slot)[0]));
+        for (std::size_t axis = 0; axis < axis_normals.size(); ++axis) {
+            const auto cosine = static_cast<double>(std::max(glm::dot(axis_normals[axis], normal), 0.0F));
+            const auto error = static_cast<double>(luminance(volume.axis_errors[axis_normals.size() * slot + axis]));
+            variance += weight * weight * cosine * cosine * error * error;
+        }
+    }
+    const float light = std::max(mean, darkest_share * luminance(from.volume->usual_light));
+    return light > 0 ? static_cast<float>(std::sqrt(variance)) / light : 0.0F;
 }
 
 glm::vec3 mean_irradiance_at(const LookUp& from, glm::dvec3 position) {

@@ -38,6 +38,9 @@ inline constexpr double bias_in_cells = 0.3;
 
 [[nodiscard]] LookUp look_up(const LitVolume& volume, const Settings& settings);
 
+/// The probes that answer at `position`.
+[[nodiscard]] Sampler::Corners corners_of(const LookUp& from, glm::dvec3 position);
+
 /// Coefficients of three bands; those of bands that are not used are zero.
 using Sh9 = std::array<glm::vec3, 9>;
 
@@ -51,6 +54,11 @@ using Sh9 = std::array<glm::vec3, 9>;
 
 /// Irradiance on a surface, lux, not negative, looked up `normal_bias` away from it.
 [[nodiscard]] glm::vec3 surface_irradiance(const LookUp& from, glm::dvec3 position, glm::vec3 normal);
+
+/// Standard error of surface_irradiance by luminance, as a share of the mean irradiance there (of 1 % of the volume's
+/// usual light where that is more). Between the axes along which it is stored, variances are mixed by the squares of the
+/// normal's components; probes err each on its own, colours together.
+[[nodiscard]] float surface_error(const LookUp& from, glm::dvec3 position, glm::vec3 normal);
 
 /// Mean of the irradiance over all normals: a quarter of the scalar irradiance, lux.
 [[nodiscard]] glm::vec3 mean_irradiance_at(const LookUp& from, glm::dvec3 position);

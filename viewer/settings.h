@@ -5,8 +5,10 @@
 /// Everything that a person can switch while looking. The renderer reads it; keys, command line and overlay write it.
 namespace lightgrid {
 
-enum class LevelLight : std::uint8_t { none, constant, vertex };
-enum class ObjectLight : std::uint8_t { constant, object };  // object: one look-up for all of it
+enum class LevelLight : std::uint8_t { none, constant, vertex, pixel };
+enum class ObjectLight : std::uint8_t { constant, object, pixel };              // object: one look-up for all of it
+enum class LevelColors : std::uint8_t { surface, irradiance, standard_error };  // the latter two in false colours
+enum class ProbesShown : std::uint8_t { none, in_sight, all };                  // all: through walls, too
 enum class Filter : std::uint8_t { trilinear, nearest };
 enum class Tone : std::uint8_t { film, reinhard, linear };
 
@@ -17,7 +19,12 @@ struct Settings {
     Filter filter = Filter::trilinear;
     int bands = 3;  // of the volume's that are used, 1 .. 3
     bool dering = true;
-    bool half = false;  // rounded as half storage would
+    bool half = false;           // rounded as half storage would
+    bool contact_shadow = true;  // of the object on the level
+    bool self_shadowing = true;  // of the object
+    LevelColors level_colors = LevelColors::surface;
+    ProbesShown probes = ProbesShown::none;
+    bool show_cell = false;  // that the object is in
     bool show_object = true;
     bool show_background = true;
 

@@ -147,9 +147,9 @@ TEST_F(FlyThrough, WarnsOfAVolumeThatNamesAnotherLevel) {
 
 TEST_F(FlyThrough, ABrokenShaderIsRefusedByFileAndLine) {
     fs::create_directory(folder() / "shaders");
-    write("shaders/level.glsl", "// one\n// two\nout vec4 color;\nvoid main() { color = nonsense; }\n");
+    write("shaders/level.frag", "#version 330 core\n// two\nout vec4 color;\nvoid main() { color = nonsense; }\n");
     expect_refused(cornell + " --headless --out frames --frames 1 --size 32x18 --quiet --shaders shaders",
-                   "level.glsl:4:");
+                   "level.frag:4:");
 }
 
 TEST_F(FlyThrough, WithoutADisplayItTellsOfHeadless) {
