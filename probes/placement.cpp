@@ -402,8 +402,8 @@ double probe_count(const std::vector<Grid>& grids) {
 }
 
 std::vector<Grid> span_boxes(const std::vector<Box>& boxes, double spacing) {
-    std::vector<Grid> grids;
-    for (const Box& box : boxes) grids.push_back(span_box(box, spacing));
+    std::vector<Grid> grids(boxes.size());
+    std::transform(boxes.begin(), boxes.end(), grids.begin(), [&](const Box& box) { return span_box(box, spacing); });
     return grids;
 }
 
