@@ -227,7 +227,7 @@ ErrorPart noise_at_probes(const Gather& gather) {
 
 }  // namespace
 
-BakePlan plan_bake(const PathTracer& paths, const BakeOptions& options) {
+BakePlan plan_bake(const PathTracer& paths, const BakeOptions& options, const Progress& progress) {
     const Stopwatch watch;
     const Scene& scene = paths.tracer().scene();
     BakePlan plan;
@@ -244,7 +244,12 @@ BakePlan plan_bake(const PathTracer& paths, const BakeOptions& options) {
 
     PathCounts pilot;
     plan.usual_light = median_light(paths, plan.volume, options.seed, pilot);
-    plan.placement = place_probes(plan.volume, paths.tracer(), light_evidence(paths, plan.usual_light, options.seed));
+    const auto all = static_cast<double>(plan.volume.slots());
+    plan.placement = place_probes(plan.volume, paths.tracer(), light_evidence(paths, plan.usual_light, options.seed),
+                                  [&](std::size_t done) {
+                                      if (progress)
+                                          progress("place", std::min(static_cast<double>(done) / all, 1.0), 0);
+                                  });
     for (std::size_t slot = 0; slot < plan.volume.slots(); ++slot) {
         // A list is gathered even where it is inside something: its owner asked for just these places.
         if (slot < plan.volume.list_start() && !is_valid(plan.volume.states[slot])) continue;

@@ -75,10 +75,11 @@ struct BakeResult {
     std::size_t filled = 0;
 };
 
-/// stage, share done in [0, 1], rays so far in this stage. Called from any thread, one at a time.
+/// stage, share done in [0, 1], rays so far in this stage. Called from any thread, one at a time. What it throws ends the
+/// work soon and comes out of plan_bake or run_bake.
 using Progress = std::function<void(const std::string& stage, double share, std::uint64_t rays)>;
 
-[[nodiscard]] BakePlan plan_bake(const PathTracer& paths, const BakeOptions& options);
+[[nodiscard]] BakePlan plan_bake(const PathTracer& paths, const BakeOptions& options, const Progress& progress = {});
 [[nodiscard]] BakeResult run_bake(const PathTracer& paths, const BakePlan& plan, const BakeOptions& options,
                                   const Progress& progress = {});
 

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <mutex>
 #include <span>
 
 namespace lightgrid {
@@ -457,7 +458,8 @@ bool is_free(const Tracer& tracer, glm::vec3 point, float clearance, const Light
     return !is_inside(point, suspect(look_around(tracer, point), light.has_sky), light);
 }
 
-PlacementCounts place_probes(Volume& volume, const Tracer& tracer, const LightEvidence& light) {
+PlacementCounts place_probes(Volume& volume, const Tracer& tracer, const LightEvidence& light,
+                             const std::function<void(std::size_t)>& done) {
     const glm::dvec3 origin = tracer.scene().origin;
     std::vector<glm::vec3> offsets(volume.slots(), glm::vec3(0));
     const auto examine = [&](std::size_t slot) {
@@ -478,8 +480,17 @@ PlacementCounts place_probes(Volume& volume, const Tracer& tracer, const LightEv
         volume.states[slot] = offset ? ProbeState::moved : ProbeState::missing;
         offsets[slot] = offset.value_or(glm::vec3(0));
     };
+    std::mutex mutex;
+    std::size_t looked_at = 0;
+    const auto tell = [&](std::size_t more) {
+        if (!done) return;
+        const std::lock_guard lock(mutex);
+        looked_at += more;
+        done(looked_at);
+    };
 
     for_each_index(volume.slots(), [&](std::size_t slot) {
+        tell(1);
         if (volume.states[slot] == ProbeState::absent) return;
         const Stuck probe = examine(slot);
         volume.states[slot] = probe.inside ? ProbeState::missing : ProbeState::valid;
@@ -489,6 +500,7 @@ PlacementCounts place_probes(Volume& volume, const Tracer& tracer, const LightEv
 
     const std::vector<BorderProbe> border = border_probes(volume);
     for_each_index(border.size(), [&](std::size_t i) {
+        tell(0);
         const auto& [slot, neighbours] = border[i];
         const auto is_valid_slot = [&](std::size_t other) { return is_valid(volume.states[other]); };
         if (is_valid_slot(slot) || std::any_of(neighbours.begin(), neighbours.end(), is_valid_slot)) return;
@@ -502,6 +514,7 @@ PlacementCounts place_probes(Volume& volume, const Tracer& tracer, const LightEv
     for (int round = 0; round < 3; ++round) {
         std::vector<std::optional<glm::vec3>> moves(border.size());
         for_each_index(border.size(), [&](std::size_t i) {
+            tell(0);
             const auto& [slot, neighbours] = border[i];
             if (!is_valid(volume.states[slot])) return;
             const Stuck probe = examine(slot);

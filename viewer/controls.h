@@ -1,0 +1,72 @@
+#pragma once
+
+#include "viewer/camera.h"
+#include "viewer/input.h"
+#include "viewer/settings.h"
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+/// What keys and mouse do. The tables are all that there is: help, overlay and program read them.
+namespace lightgrid {
+
+enum class Action : std::uint8_t {
+    quit,
+    help,
+    screenshot,
+    fly,
+    record,
+    sphere,
+    bunny,
+    own_object,
+    no_object,
+    follow,
+    split,
+    less_gain,
+    more_gain,
+    less_exposure,
+    more_exposure,
+    tone,
+    level_light,
+    object_light,
+    bands,
+    filter,
+    dering,
+    half,
+};
+
+struct KeyBinding {
+    Key key;
+    Action action;
+    std::string_view name;  // as people call the key
+    std::string_view help;
+};
+
+/// Every key that does something when it goes down.
+[[nodiscard]] std::span<const KeyBinding> key_bindings();
+[[nodiscard]] std::optional<Action> action_of(Key key);
+
+/// A line for everything that keys and mouse do, those held included.
+[[nodiscard]] std::string controls_help();
+
+/// How one flies by hand.
+struct Motion {
+    double speed = 1;  // metres per second
+};
+inline constexpr double run_factor = 4;       // with shift
+inline constexpr double wheel_factor = 1.25;  // of speed, per notch
+inline constexpr double look_deg_per_pixel = 0.15;
+
+/// One step of flying: WASD, Q and E along the camera's own axes, faster with shift; the mouse turns it while its right
+/// button is down; the wheel changes the speed.
+///
+/// seconds  since the last step; what is longer than a tenth of a second counts as that, so that a pause is no leap
+[[nodiscard]] Pose fly(const Pose& pose, const Input& input, Motion& motion, double seconds);
+
+/// Carries out an action that is about settings alone; false: it is about something else.
+bool apply(Action action, Settings& settings);
+
+}  // namespace lightgrid

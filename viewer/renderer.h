@@ -1,0 +1,86 @@
+#pragma once
+
+#include "core/environment.h"
+#include "core/scene.h"
+#include "viewer/draw_background.h"
+#include "viewer/draw_level.h"
+#include "viewer/draw_object.h"
+#include "viewer/picture_target.h"
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace lightgrid {
+
+/// What is looked at, and from where.
+struct Frame {
+    Pose pose;
+    Lens lens;
+    std::optional<ObjectPlace> object{};
+};
+
+/// A part of the picture with settings of its own: split screen is two of them.
+struct Pane {
+    Rectangle part;
+    Settings settings;
+};
+
+/// Everything that is drawn; each kind of thing is a drawing of its own, in a file of its own.
+class Renderer {
+  public:
+    /// `gl` must outlive it, and its context be current wherever it is used.
+    Renderer(const Gl& gl, ShaderSources shaders);
+
+    /// Keeps nothing of the scene.
+    ///
+    /// longest_edge  see build_level_mesh
+    /// outlines      see find_outlines
+    void set_level(const Scene& scene, double longest_edge, const std::vector<bool>& outlines);
+    /// The light; the level is lit anew when it is next drawn.
+    void set_volume(std::shared_ptr<const LitVolume> volume);
+    void set_environment(const Environment& environment);
+    void set_object(const ObjectMesh& mesh);
+
+    /// Draws and develops a picture.
+    ///
+    /// size     pixels
+    /// samples  a pixel: 4 smooths edges
+    /// panes    at least one; exposure is the first one's
+    void draw(const Frame& frame, std::span<const Pane> panes, glm::ivec2 size, int samples);
+
+    [[nodiscard]] const PictureTarget& target() const noexcept { return target_; }
+    /// The last picture's.
+    [[nodiscard]] float exposure() const noexcept { return exposure_; }
+    [[nodiscard]] RadianceImage read_light() const { return target_.read_light(exposure_); }
+
+  private:
+    /// The level's light under some settings.
+    struct LightTable {
+        Filter filter;
+        int bands;
+        bool half;
+        TexelBuffer table;
+    };
+
+    void draw_pane(const Frame& frame, const Pane& pane);
+    /// The volume as `settings` want it stored.
+    [[nodiscard]] const LitVolume* volume(const Settings& settings);
+    [[nodiscard]] LookUp look_up_with(const Settings& settings);
+    [[nodiscard]] const TexelBuffer& light_table(const Settings& settings);
+
+    const Gl& gl_;
+    ShaderSources shaders_;
+    PictureTarget target_;
+    BackgroundDrawing background_;
+    std::optional<LevelDrawing> level_;
+    std::optional<ObjectDrawing> object_;
+    glm::dvec3 origin_{0};
+    std::shared_ptr<const LitVolume> volume_;
+    std::shared_ptr<const LitVolume> half_volume_;  // made when first asked for
+    std::vector<LightTable> light_tables_;
+    float exposure_ = 1;
+};
+
+}  // namespace lightgrid

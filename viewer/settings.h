@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+
+/// Everything that a person can switch while looking. The renderer reads it; keys, command line and overlay write it.
+namespace lightgrid {
+
+enum class LevelLight : std::uint8_t { none, constant, vertex };
+enum class ObjectLight : std::uint8_t { constant, object };  // object: one look-up for all of it
+enum class Filter : std::uint8_t { trilinear, nearest };
+enum class Tone : std::uint8_t { film, reinhard, linear };
+
+/// How one picture is lit and drawn; split screen draws two.
+struct Settings {
+    LevelLight level_light = LevelLight::vertex;
+    ObjectLight object_light = ObjectLight::object;
+    Filter filter = Filter::trilinear;
+    int bands = 3;  // of the volume's that are used, 1 .. 3
+    bool dering = true;
+    bool half = false;  // rounded as half storage would
+    bool show_object = true;
+    bool show_background = true;
+
+    float gain = 1;  // of the light from the volume, against emission and background
+    float exposure_stops = 0;
+    bool automatic_exposure = true;  // by the light around the eye; else 1 cd/m^2 is white
+    Tone tone = Tone::film;
+
+    bool operator==(const Settings&) const = default;
+};
+
+/// Of exposure and gain, either way: what exceeds it is cut off.
+inline constexpr float most_stops = 16;
+inline constexpr int most_used_bands = 3;
+
+}  // namespace lightgrid

@@ -1,0 +1,47 @@
+#version 330 core
+// A vertex of the level. Its light, front and back, is two texels of a table with a row for each vertex of each
+// instance.
+uniform mat4 clip_from_level;
+uniform samplerBuffer instances;  // three texels each: the rows of a 3 x 4 matrix
+uniform samplerBuffer light_table;
+uniform int first_instance;
+uniform int first_light;  // row of vertex 0 of the first instance; may be negative
+uniform int light_stride;
+uniform bool lit_by_vertex;
+uniform vec3 constant_light;
+uniform float light_scale;  // exposure x gain / pi: from irradiance to what a white surface shows
+
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 normal;
+layout(location = 2) in vec2 base_color_uv;
+layout(location = 3) in vec2 emission_uv;
+layout(location = 4) in vec2 transmission_uv;
+layout(location = 5) in vec4 color;
+
+out vec2 base_color_at;
+out vec2 emission_at;
+out vec2 transmission_at;
+out vec4 vertex_color;
+out vec3 light_in_front;
+out vec3 light_behind;
+
+void main() {
+    int row = 3 * (first_instance + gl_InstanceID);
+    vec4 at = vec4(position, 1.0);
+    vec3 in_level = vec3(dot(texelFetch(instances, row), at), dot(texelFetch(instances, row + 1), at),
+                         dot(texelFetch(instances, row + 2), at));
+    gl_Position = clip_from_level * vec4(in_level, 1.0);
+    base_color_at = base_color_uv;
+    emission_at = emission_uv;
+    transmission_at = transmission_uv;
+    vertex_color = color;
+    light_in_front = constant_light;
+    light_behind = constant_light;
+    if (lit_by_vertex) {
+        int texel = 2 * (first_light + gl_InstanceID * light_stride + gl_VertexID);
+        light_in_front = texelFetch(light_table, texel).rgb;
+        light_behind = texelFetch(light_table, texel + 1).rgb;
+    }
+    light_in_front *= light_scale;
+    light_behind *= light_scale;
+}

@@ -1,0 +1,3 @@
+#version 330 core
+#define SEE_THROUGH
+#include "level.glsl"
