@@ -321,7 +321,7 @@ BakeResult run_bake(const PathTracer& paths, const BakePlan& plan, const BakeOpt
         seconds += watch.seconds();
         store(sums.result(), plan.slots, volume);
         if (held_out.points.empty()) continue;
-        const ErrorPart total = measure_error(volume, held_out, 0).total;
+        const ErrorPart total = measure_error(volume, held_out).total;
         result.curve.push_back({seconds, target * gather_options.samples_per_replicate(),
                                 sums.counts().rays + sums.counts().shadow_rays, total.relrmse, total.interval});
     }
@@ -333,9 +333,10 @@ BakeResult run_bake(const PathTracer& paths, const BakePlan& plan, const BakeOpt
     const Stopwatch finishing;
     result.filled = volume.has_cells() ? fill_invalid(volume, paths.tracer()) : 0;
     const StorageChoice storage = choose_storage(volume);
+    std::optional<Volume> unrounded;
     if (storage.half) {
+        if (!held_out.points.empty()) unrounded = volume;
         store_as_half(volume);
-        result.storage_error = storage.irradiance_rms;
         result.left_out.push_back(
             {"float coefficients: half serves",
              fmt::format("rounding adds at most {} of any brick's standard error", percent(storage.worst_share)),
@@ -345,8 +346,13 @@ BakeResult run_bake(const PathTracer& paths, const BakePlan& plan, const BakeOpt
 
     if (!held_out.points.empty()) {
         const Stopwatch watch;
-        result.error = measure_error(volume, held_out, result.storage_error);
+        result.error = measure_error(volume, held_out, unrounded ? &*unrounded : nullptr);
         result.stages.push_back({"measure", watch.seconds(), 0});
+    }
+    if (!held_out.points.empty() && options.compare_look_ups) {
+        const Stopwatch watch;
+        result.look_ups = compare_look_ups(unrounded ? *unrounded : volume, held_out, options.seed);
+        result.stages.push_back({"look-ups", watch.seconds(), 0});
     }
     volume.settings = {
         {"level", paths.tracer().scene().name},

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "probes/error_report.h"
+#include "probes/look_ups.h"
 #include "probes/paths.h"
 #include "probes/placement.h"
 #include "probes/volume.h"
@@ -22,8 +23,9 @@ struct BakeOptions {
     int bands = 3;
     std::optional<std::uint32_t> samples;  // gather rays per probe; none: what default_ray_budget pays for
     std::uint64_t seed = 0;
-    bool measure_error = true;  // trace held-out points and report the error, at about a quarter of the cost
-    std::string environment;    // for the header: what lit the level besides its own lights
+    bool measure_error = true;      // trace held-out points and report the error, at about a quarter of the cost
+    bool compare_look_ups = false;  // where the error is measured: also with fewer bands, nearest probe, half and float
+    std::string environment;        // for the header: what lit the level besides its own lights
 };
 
 /// Where --samples is not given: the most, in powers of two, that trace no more rays than this (well under a minute on
@@ -67,8 +69,8 @@ struct BakeResult {
     std::optional<ErrorReport> error;  // grids only, where asked for and where any free point was found
     std::string no_error_because;      // why not
     ErrorPart noise;                   // over all probes: always known
-    double storage_error = 0;          // lux, root mean square over probes and directions
     std::vector<CurvePoint> curve;
+    std::vector<LookUp> look_ups;  // where asked for and the error was measured
     std::vector<LeftOut> left_out;
     std::vector<Stage> stages;
     PathCounts counts;
