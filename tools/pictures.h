@@ -8,6 +8,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 /// What `lightgrid draw` draws.
 namespace lightgrid {
@@ -24,6 +25,44 @@ struct PictureOptions {
 
 /// The level from the camera, 16 : 9.
 [[nodiscard]] Canvas draw_view(const LitLevel& level, const Camera& camera, const PictureOptions& options);
+
+/// A plane of the volume, seen along -axis: 1: plan, from above, X to the right; 2: X to the right, Y up; 0: -Z to the
+/// right, Y up.
+struct Slice {
+    int axis = 1;
+    double position = 0;  // of the plane
+    Box box;              // of the volume
+    double scale = 1;     // pixels per metre
+
+    [[nodiscard]] int right() const { return axis == 0 ? 2 : 0; }
+    [[nodiscard]] int up() const { return axis == 1 ? 2 : 1; }
+    [[nodiscard]] glm::ivec2 size() const;
+    [[nodiscard]] glm::dvec3 point(glm::dvec2 pixel) const;  // pixels, from the upper left corner
+    [[nodiscard]] glm::dvec2 pixel(glm::dvec3 point) const;  // where its projection onto the plane is
+    [[nodiscard]] std::string title() const;
+};
+
+/// Light on a logarithmic scale between two round numbers.
+struct LuxScale {
+    std::vector<double> marks;  // lux, ascending: 1, 2 and 5 times powers of ten; the ends of the scale and all between
+
+    [[nodiscard]] double place(double lux) const;  // 0 at the first mark, 1 at the last; below and above for the rest
+};
+
+/// Planes through a point: mean irradiance in false colours with a contour at each mark, outlines, solids dark. Planes
+/// in which the volume has no extent are left out.
+struct SlicePictures {
+    std::vector<Slice> slices;
+    std::vector<Canvas> pictures;  // one each
+    LuxScale lux;
+};
+/// pixels_per_metre  of all pictures
+[[nodiscard]] SlicePictures picture_slices(const LitLevel& level, const Volume& volume, glm::dvec3 at,
+                                           double pixels_per_metre);
+
+/// Dark blue through cyan, green, yellow and red to pale: the order that lighting engineers know, with lightness rising
+/// throughout so that it reads in grey, too. t in [0, 1].
+[[nodiscard]] glm::vec3 false_color(float t);
 
 /// Mean irradiance in false colours in a plan and two sections through `at`, on one logarithmic scale in lux.
 [[nodiscard]] Canvas draw_slices(const LitLevel& level, const Volume& volume, const PictureOptions& options);
