@@ -107,7 +107,7 @@ json remedies_json(const BakePlan& plan, const BakeResult& result, double gather
                         {"change", "four times the samples"},
                         {"option", fmt::format("--samples {}", 4ULL * plan.samples)},
                         {"relrmse", without(0.75 * square(error.noise))},
-                        {"because", "halves the noise"},
+                        {"assumes", "nothing: the noise halves"},
                         {"seconds", 4 * gather_seconds},
                         {"size_factor", 1}});
     if (bands < max_sh_bands) {
@@ -115,7 +115,7 @@ json remedies_json(const BakePlan& plan, const BakeResult& result, double gather
                             {"change", "one band more"},
                             {"option", fmt::format("--bands {}", bands + 1)},
                             {"relrmse", without(square(error.bands) + square(error.cross))},
-                            {"because", "at best: if that band is all that is missing"},
+                            {"assumes", "that all that is missing is in that band"},
                             {"seconds", gather_seconds},
                             {"size_factor", std::pow((bands + 1.0) / bands, 2)}});
     }
@@ -123,7 +123,7 @@ json remedies_json(const BakePlan& plan, const BakeResult& result, double gather
                         {"change", "half the spacing"},
                         {"option", fmt::format("--spacing {:.3g}", 0.5 * spacing)},
                         {"relrmse", without(0.75 * square(error.interpolation))},
-                        {"because", "if it falls as the spacing does; faster where light is smooth, slower at leaks"},
+                        {"assumes", "that it falls as the spacing does: faster where light is smooth, slower at leaks"},
                         {"seconds", 8 * gather_seconds},
                         {"size_factor", 8}});
     return remedies;

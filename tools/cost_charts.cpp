@@ -17,6 +17,8 @@ namespace {
 
 using nlohmann::json;
 
+/// Less than half a percent less error is no reason to pay more.
+constexpr double worth_joining = 0.995;
 constexpr double height = 310;
 constexpr double left = 50;
 constexpr double right = plot_width - 12;
@@ -69,7 +71,7 @@ std::string key(bool with_half) {
         shown.trilinear = trilinear;
         shown.half = half;
         svg += symbol(x, 10, shown, "", "key") + svg_text(x + 9, 14, name);
-        x += 9 + 6.6 * static_cast<double>(name.size()) + 14;
+        x += 9 + 5.8 * static_cast<double>(name.size()) + 16;
     };
     entry(true, false, with_half ? "trilinear, float" : "trilinear");
     if (with_half) entry(true, true, "half");
@@ -85,7 +87,7 @@ std::string pareto_front(std::vector<Choice> all, const Axis& x, const Axis& y) 
     double least = std::numeric_limits<double>::infinity();
     std::string steps;
     for (const Choice& choice : all) {
-        if (choice.error >= least) continue;
+        if (choice.error >= worth_joining * least) continue;
         if (!steps.empty()) steps += fmt::format("{:.1f},{:.1f} ", x.place(choice.cost), y.place(least));
         steps += fmt::format("{:.1f},{:.1f} ", x.place(choice.cost), y.place(choice.error));
         least = choice.error;
@@ -116,9 +118,9 @@ std::string look_up_plot(const std::vector<Choice>& all, const char* cost_name, 
                         choice.half ? "half" : "float", percent_text(choice.error), percent_text(choice.low),
                         percent_text(choice.high), choice.cost, cost_name);
         svg += symbol(at_x, at_y, choice, svg_title(title), "mark");
-        // Trilinear is the lower of the two.
-        svg += svg_text(at_x, choice.trilinear ? at_y + 20 : at_y - 10, choice.name,
-                        "text-anchor=\"middle\" class=\"note\"");
+        // Names on the sides where their neighbours, at other bands and half the bytes, are not.
+        svg += choice.trilinear ? svg_text(at_x - 7, at_y + 16, choice.name, "text-anchor=\"end\" class=\"note\"")
+                                : svg_text(at_x + 7, at_y - 7, choice.name, "class=\"note\"");
     }
     return svg_plot(height, label, svg);
 }
@@ -148,11 +150,11 @@ std::string stages_plot(const json& report) {
     for (const json& stage : report.at("stages")) {
         const double seconds = stage.at("seconds");
         const double rays = stage.at("rays");
-        std::string text = duration_text(seconds);
-        if (rays > 0 && seconds > 0) text = fmt::format("{:.1f} Mrays/s   {}", rays * 1e-6 / seconds, text);
-        rows.push_back({stage.at("name"), text, seconds, 0, 0, false});
+        const std::string rate =
+            rays > 0 && seconds > 0 ? fmt::format("{:.2g} Mrays/s", rays * 1e-6 / seconds) : std::string();
+        rows.push_back({stage.at("name"), duration_text(seconds), rate, seconds});
     }
-    return rows.empty() ? std::string() : svg_plot(bars_height(rows), "Seconds of each stage", bars(rows, 150));
+    return rows.empty() ? std::string() : svg_plot(bars_height(rows), "Seconds of each stage", bars(rows, 82));
 }
 
 }  // namespace lightgrid

@@ -146,7 +146,7 @@ std::string error_curve(const json& report) {
 std::string error_parts(const json& report) {
     const json& error = report.at("error");
     const auto bar = [](const std::string& name, const json& part) {
-        return Bar{name, percent_text(part["relrmse"]), part["relrmse"], part["interval"][0], part["interval"][1]};
+        return Bar{name, percent_text(part["relrmse"]), "", part["relrmse"], part["interval"][0], part["interval"][1]};
     };
     std::vector<Bar> rows;
     for (const auto& [name, part] : error.at("parts").items()) {
@@ -157,7 +157,7 @@ std::string error_parts(const json& report) {
         rows.insert(rows.begin(), bar("total", error));
         rows.front().emphasis = true;
     }
-    return svg_plot(bars_height(rows), "Parts of the error", bars(rows, 62));
+    return svg_plot(bars_height(rows), "Parts of the error", bars(rows, 0));
 }
 
 std::string error_chart(const json& report, const std::string& where) {
@@ -181,7 +181,7 @@ std::string error_chart(const json& report, const std::string& where) {
         "font-family=\"system-ui, Helvetica, Arial, sans-serif\">\n<style>{}</style>\n"
         "<rect width=\"960\" height=\"420\" fill=\"{}\"/>\n"
         "<text x=\"28\" y=\"40\" font-size=\"19\" font-weight=\"600\" fill=\"{}\">Error against time: {}</text>\n"
-        "<svg x=\"28\" y=\"64\" width=\"484\" height=\"330\" viewBox=\"0 0 440 300\" class=\"plot\">\n{}</svg>\n"
+        "<svg x=\"28\" y=\"64\" width=\"440\" height=\"330\" viewBox=\"0 0 400 300\" class=\"plot\">\n{}</svg>\n"
         "<text x=\"560\" y=\"90\" font-size=\"13\" font-weight=\"600\" fill=\"{}\">What it is made of (parts add as "
         "squares)</text>\n<g transform=\"translate(530 104) scale(0.9)\">{}</g>\n</svg>\n",
         plot_style(colors), colors.paper, colors.ink, escape(report.value("level", "")), curve, colors.ink, parts);

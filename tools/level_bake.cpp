@@ -55,7 +55,7 @@ struct Call {
     std::string max_error, time_budget;  // not in this version: refused by name
 };
 
-constexpr double slice_pixels = 640;       // along the longest side of the volume
+constexpr double slice_pixels = 480;       // along the longest side of the volume
 constexpr double most_samples = 1U << 28;  // their directions take 3 GB per thread and 16 replicates
 
 Box parse_box(const std::string& text) {

@@ -14,7 +14,8 @@ namespace {
 
 constexpr double bar_row = 30;
 constexpr double bar_thickness = 14;
-constexpr double bar_names = 96;
+constexpr double bar_names = 92;
+constexpr double bar_values = 60;
 constexpr std::size_t few_marks = 4;
 constexpr std::size_t many_marks = 7;
 
@@ -104,8 +105,9 @@ std::string plot_frame(const Axis& x, const Axis& y, std::string_view x_name, st
     return svg;
 }
 
-std::string bars(const std::vector<Bar>& rows, double text_width) {
-    const double end = plot_width - text_width;
+std::string bars(const std::vector<Bar>& rows, double note_width) {
+    const double values_end = plot_width - note_width;
+    const double end = values_end - bar_values;
     double largest = 0;
     for (const Bar& row : rows) largest = std::max({largest, row.value, row.high});
     const auto place = [&](double value) {
@@ -125,7 +127,10 @@ std::string bars(const std::vector<Bar>& rows, double text_width) {
                 svg += svg_line(at, middle - 4, at, middle + 4, "class=\"whisker\"");
             }
         }
-        svg += svg_text(plot_width, middle + 4, row.value_text, "text-anchor=\"end\" class=\"value\"");
+        svg += svg_text(values_end, middle + 4, row.value_text, "text-anchor=\"end\" class=\"value\"");
+        if (!row.note.empty()) {
+            svg += svg_text(plot_width, middle + 4, row.note, "text-anchor=\"end\" class=\"note\"");
+        }
         middle += bar_row;
     }
     return svg;

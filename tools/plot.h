@@ -8,7 +8,7 @@
 /// width of a phone. Colours come from classes: plot_style has their rules.
 namespace lightgrid {
 
-inline constexpr double plot_width = 440;
+inline constexpr double plot_width = 400;
 
 /// CSS colours, as values or as var(...).
 struct PlotColors {
@@ -47,13 +47,14 @@ struct Axis {
 struct Bar {
     std::string name;
     std::string value_text;
+    std::string note;  // right of the value, faint
     double value = 0;
     double low = 0;  // an interval is drawn where high > low
     double high = 0;
     bool emphasis = false;
 };
-/// Horizontal bars on a linear scale. text_width: room for the values at the right.
-[[nodiscard]] std::string bars(const std::vector<Bar>& rows, double text_width);
+/// Horizontal bars on a linear scale. note_width: room for the notes at the right.
+[[nodiscard]] std::string bars(const std::vector<Bar>& rows, double note_width);
 [[nodiscard]] double bars_height(const std::vector<Bar>& rows);
 
 /// The svg element around a plot, for a page.

@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 #include <utility>
 
 namespace lightgrid {
@@ -27,6 +28,7 @@ bool is_measured(const json& report) {
 }
 
 std::string interval_text(const json& part) {
+    if (part["interval"][0] == part["interval"][1]) return "";  // not measured: there is but one number
     return fmt::format("{} to {}", percent_text(part["interval"][0]), percent_text(part["interval"][1]));
 }
 
@@ -39,24 +41,33 @@ std::string short_triple(const json& v, const char* between) {
     return fmt::format("{}{}{}{}{}", short_number(v[0]), between, short_number(v[1]), between, short_number(v[2]));
 }
 
+std::string count_text(double count) {
+    return count < 1e5 ? grouped(static_cast<unsigned long long>(count)) : fmt::format("{:.3g} million", 1e-6 * count);
+}
+
 // ---- HTML ----------------------------------------------------------------------------------------------------------
 
 std::string element(const std::string& name, const std::string& text) {
     return fmt::format("<{0}>{1}</{0}>\n", name, escape(text));
 }
 
+constexpr std::size_t no_column = 99;
+
 struct Table {
     std::vector<std::string> head;
     std::vector<std::vector<std::string>> rows;
     std::size_t first_number = 1;  // columns from here on are numbers
+    std::size_t code = no_column;  // what a shell takes
     bool last_is_sum = false;
-    bool stacked = false;  // on a phone: a block for each row
+    bool stacked = false;  // on a phone: a block for each row, each cell behind the name of its column
 };
 
 std::string html(const Table& table) {
     const auto cell = [&](const char* tag, std::size_t column, const std::string& text) {
-        const char* numeric = column >= table.first_number ? " class=\"number\"" : "";
-        return fmt::format("<{0}{1}>{2}</{0}>", tag, numeric, escape(text));
+        std::string more = column >= table.first_number ? " class=\"number\"" : "";
+        if (table.stacked) more += fmt::format(" data-head=\"{}\"", escape(table.head[column]));
+        const bool code = column == table.code && std::string_view(tag) == "td";
+        return fmt::format("<{0}{1}>{2}</{0}>", tag, more, code ? "<code>" + escape(text) + "</code>" : escape(text));
     };
     std::string out =
         fmt::format("<div class=\"scroll\"><table{}>\n<thead><tr>", table.stacked ? " class=\"stack\"" : "");
@@ -135,17 +146,17 @@ std::string head(const json& report) {
         if (error["target_met"].is_boolean()) {
             out += tile("Target", error["target_met"].get<bool>() ? "met" : "not reached", "");
         }
-        out += tile(
-            "19 of 20 values are within", percent_text(error["p95"]),
-            fmt::format("half within {}, 99 of 100 within {}", percent_text(error["p50"]), percent_text(error["p99"])));
+        out += tile("19 of 20 values are within", percent_text(error["p95"]),
+                    fmt::format("of their point's mean; half within {}, 99 of 100 within {}",
+                                percent_text(error["p50"]), percent_text(error["p99"])));
     } else {
         const json& noise = error["parts"]["noise"];
-        out += tile("Noise at the probes", percent_text(noise["relrmse"]), interval_text(noise));
+        out += tile("Noise at the probes", percent_text(noise["relrmse"]), "standard error of the irradiance");
     }
     const json& rays = report["rays"];
     out += tile("Baked in", duration_text(total_seconds(report)),
-                fmt::format("{} rays per probe, {:.3g} million in all", grouped(report["samples"].get<unsigned>()),
-                            1e-6 * (rays["gather"].get<double>() + rays["shadow"].get<double>())));
+                fmt::format("{} rays per probe, {} in all", grouped(report["samples"].get<unsigned>()),
+                            count_text(rays["gather"].get<double>() + rays["shadow"].get<double>())));
     out += tile("Volume", bytes_text(report["bytes"]),
                 fmt::format("{} probes, {} bands, {}", grouped(report["probes"]["gathered"].get<unsigned long long>()),
                             report["bands"].get<int>(), report["storage"].get<std::string>()));
@@ -170,16 +181,19 @@ std::string parts_figure(const json& report) {
         table.rows.back()[3] = fmt::format("{:.3g}", 1e4 * square);
         table.rows.back()[4] = share(square);
     }
-    std::string caption = "Bars are relative RMSE, lines their 95 % intervals.";
+    std::string caption = "Only the noise at the probes is known: what too few samples leave.";
     if (is_measured(report)) {
         const double cross = error["squares"]["cross"];
         table.rows.push_back({"in common (cross terms)", "", "", fmt::format("{:.3g}", 1e4 * cross), share(cross)});
         table.rows.push_back({"total, measured", percent_text(error["relrmse"]), interval_text(error),
                               fmt::format("{:.3g}", 1e4 * error["squares"]["total"].get<double>()), "100 %"});
         table.last_is_sum = true;
-        caption += " Parts add as squares: the table shows that they, and what they have in common, make the total.";
-    } else {
-        caption += " Of this bake only the noise at the probes is known.";
+        const int bands = report["bands"];
+        caption = fmt::format(
+            "Noise: too few samples. Bands: what {} coefficients cannot show. Interpolation: what is lost between "
+            "probes, light through thin walls included. Storage: rounding to half. Parts add as squares; lines are "
+            "95 % intervals.",
+            bands * bands);
     }
     if (error["parts"]["bias"].is_null() && report["method"] == "path") {
         caption += " The path tracer has no bias.";
@@ -218,13 +232,13 @@ std::string remedies(const json& report) {
                                         "would be left.",
                                         target, percent_text(halving["floor"])));
     }
-    Table table{{"against", "change", "option", "error then", "gathering", "size"}, {}, 3};
+    Table table{{"against", "change", "option", "error then", "gathering", "volume", "assumes"}, {}, 7};
+    table.code = 2;
+    table.stacked = true;
     for (const json& remedy : report["remedies"]) {
-        table.rows.push_back(
-            {remedy["part"],
-             fmt::format("{}: {}", remedy["change"].get<std::string>(), remedy["because"].get<std::string>()),
-             remedy["option"], percent_text(remedy["relrmse"]), duration_text(remedy["seconds"]),
-             fmt::format("x {:.2g}", remedy["size_factor"].get<double>())});
+        table.rows.push_back({remedy["part"], remedy["change"], remedy["option"], percent_text(remedy["relrmse"]),
+                              duration_text(remedy["seconds"]),
+                              fmt::format("× {:.2g}", remedy["size_factor"].get<double>()), remedy["assumes"]});
     }
     return out + html(table);
 }
@@ -233,23 +247,25 @@ std::string look_ups(const json& report) {
     const std::string time = look_up_time_plot(report);
     const std::string bytes = look_up_bytes_plot(report);
     if (time.empty()) return {};
-    Table table{{"bands", "look-up", "stored as", "relative RMSE", "95 % interval", "ns", "bytes per probe"}, {}, 3};
-    for (const json& entry : report["look_ups"]) {
-        table.rows.push_back(
-            {fmt::format("L{}{}", entry["bands"].get<int>() - 1, entry["this_bake"] ? " (this bake)" : ""),
-             entry["interpolation"], entry["storage"], percent_text(entry["relrmse"]), interval_text(entry),
-             fmt::format("{:.3g}", entry["nanoseconds"].get<double>()),
-             grouped(entry["bytes_per_probe"].get<unsigned>())});
-    }
+    const auto table = [&](const char* unit, const char* key) {
+        Table result{{"", "look-up", "stored as", "relative RMSE", "95 % interval", unit}, {}, 3};
+        for (const json& entry : report["look_ups"]) {
+            result.rows.push_back(
+                {fmt::format("L{}{}", entry["bands"].get<int>() - 1, entry["this_bake"] ? ", this bake" : ""),
+                 entry["interpolation"], entry["storage"], percent_text(entry["relrmse"]), interval_text(entry),
+                 fmt::format("{:.3g}", entry[key].get<double>())});
+        }
+        return result;
+    };
     return element("h2", "What a look-up costs") + "<div class=\"figures\">\n" +
-           figure("Error against time", time,
+           figure("Error against look-up time", time,
                   "From position and normal to irradiance on one thread, places spread over the volume. L2 is three "
-                  "bands, nine coefficients. The ring is this bake; nothing beats what the line joins in both.",
-                  table) +
-           figure(
-               "Error against memory", bytes,
-               "Coefficients of a probe, in colour. Half takes as long to look up as float: the Sampler holds floats.",
-               table) +
+                  "bands, nine coefficients. The ring is this bake. The line joins what nothing beats in both.",
+                  table("ns", "nanoseconds")) +
+           figure("Error against memory", bytes,
+                  "Coefficients of a probe, in colour. Half takes as long to look up as float: the Sampler holds "
+                  "floats.",
+                  table("bytes per probe", "bytes_per_probe")) +
            "</div>\n";
 }
 
@@ -318,7 +334,7 @@ std::string slices_section(const json& report, const SlicePictures& slices) {
             " Numbers mark the held-out points with the largest error; those within half a cell of the plane are "
             "solid, others are seen through it. All slices go through the worst.";
     }
-    out += element("p", text) + lux_key(slices.lux) + "<div class=\"figures\">\n";
+    out += element("p", text) + lux_key(slices.lux) + "<div class=\"figures slices\">\n";
     for (std::size_t i = 0; i < slices.slices.size(); ++i) {
         out += fmt::format("<figure>\n{}{}</figure>\n", element("h3", slices.slices[i].title()),
                            svg_slice(slices.slices[i], slices.pictures[i], worst, half_a_cell(report)));
@@ -333,10 +349,11 @@ std::string slices_section(const json& report, const SlicePictures& slices) {
             {fmt::format("{}", i + 1), metres(0), metres(1), metres(2), percent_text(worst[i]["relative_error"])});
     }
     return out + fmt::format("<details open><summary>The worst points</summary>\n{}</details>\n", html(table)) +
-           element(
-               "p",
-               "Root mean square over 64 normals and three colours, relative to the mean irradiance at the point (at "
-               "least 1 % of the level's median).");
+           fmt::format(
+               "<p class=\"faint\">Root mean square over {} normals and three colours, relative to the mean irradiance "
+               "at "
+               "the point (at least 1 % of the level's median).</p>\n",
+               error["normals"].get<int>());
 }
 
 std::string stages_section(const json& report) {
