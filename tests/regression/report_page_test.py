@@ -40,7 +40,7 @@ LOOK = """
       rows: figure.querySelectorAll('details tbody tr').length})),
     slices: [...document.querySelectorAll('svg.slice')].map(drawing),
     images: [...document.querySelectorAll('svg.slice image')].map((image) => image.getAttribute('href')),
-    width: document.documentElement.scrollWidth, screen: window.innerWidth,
+    width: document.documentElement.scrollWidth,
     resources: performance.getEntriesByType('resource').map((entry) => entry.name),
   };
 })()
@@ -161,7 +161,7 @@ def check_page(browser, page, report):
     browser.screen(PHONE)
     browser.open(page)
     seen = browser.evaluate(LOOK)
-    that(seen["width"] <= seen["screen"], f"{seen['width']} pixels wide on a screen of {seen['screen']}")
+    that(seen["width"] <= PHONE[0], f"{seen['width']} pixels wide on a screen of {PHONE[0]}")
     that(not [name for name in seen["resources"] if not name.startswith("data:")], f"loads {seen['resources']}")
     for figure in seen["figures"]:
         that(figure["rows"] > 0, f"{figure['title']}: no table")
@@ -205,7 +205,8 @@ def check_schema(report, schema):
         print("schema not checked: python3-jsonschema is not installed")
         return []
     validator = jsonschema.Draft202012Validator(json.loads(schema.read_text()))
-    return [f"schema: {'/'.join(map(str, error.absolute_path))}: {error.message}" for error in validator.iter_errors(report)]
+    return [f"schema: {'/'.join(map(str, error.absolute_path))}: {error.message}"
+            for error in validator.iter_errors(report)]
 
 
 def main():
