@@ -80,7 +80,7 @@ struct BakeResult {
     std::string no_error_because;      // why not
     ErrorPart noise;                   // over all probes: always known
     std::vector<CurvePoint> curve;
-    std::vector<LookUp> look_ups;  // where asked for and the error was measured
+    std::vector<LookUpCost> look_ups;  // where asked for and the error was measured
     std::vector<LeftOut> left_out;
     std::vector<Stage> stages;
     std::optional<CacheMade> cache;
