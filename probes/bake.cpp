@@ -25,10 +25,11 @@ constexpr std::size_t counted_paths = 8192;
 constexpr std::size_t counted_share = 16;
 /// Rough looks at a point's light need no long paths, and sealed cavities of white walls would never end them.
 constexpr std::uint32_t pilot_bounces = 16;
-/// With fewer probes paths are cheaper than a cache that is as good as they are.
+/// With fewer probes paths should be cheaper than a cache that is as good as they are: a count of rays, not a measurement.
 constexpr std::size_t least_cache_probes = 32;
-/// Of a probe's spacing: wider patches blur what probes beside a wall see, narrower ones have too few samples each (from
-/// a quarter to the whole there is little to choose).
+/// Of a probe's spacing: wider patches blur what probes beside a wall see, narrower ones have too few samples each. A
+/// quarter to the whole made no difference in a Cornell box; in a breakfast room under an HDR sky a quarter halved the
+/// bias (0.3 % for 0.6 %) for nearly twice the time to build.
 constexpr double patch_width = 0.5;
 /// Where probes are a list: of the level's longest side.
 constexpr double list_patch_width = 1.0 / 64;
