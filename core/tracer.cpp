@@ -283,6 +283,7 @@ struct Tracer::Impl {
     std::vector<FilteredMesh> meshes;  // by mesh index
     std::vector<EmbreeScene> models;
     EmbreeScene root;
+    std::vector<glm::mat3> normals;  // by instance: of its models' normals into the level
     std::size_t triangles = 0;
     float extent_limit = 0;  // beyond: huge
 
@@ -360,6 +361,9 @@ Tracer::Tracer(const Scene& scene) : impl_(std::make_unique<Impl>()) {
         rtcCommitGeometry(geometry);
         rtcAttachGeometryByID(impl_->root.get(), geometry, id++);
         rtcReleaseGeometry(geometry);
+        glm::dmat3 normals = glm::inverse(glm::transpose(axes_of(instance)));
+        normals /= std::max({largest(normals[0]), largest(normals[1]), largest(normals[2])});
+        impl_->normals.emplace_back(normals);
     }
     rtcCommitScene(impl_->root.get());
     check(device, "building the ray-tracing structure");
@@ -398,7 +402,10 @@ Hit Tracer::closest_hit(glm::vec3 origin, glm::vec3 direction, float max_distanc
     ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     intersect(impl_->root.get(), &query.context, &ray);
     if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
-    return {{ray.hit.instID[0], ray.hit.geomID, ray.hit.primID}, ray.ray.tfar, {ray.hit.u, ray.hit.v}};
+    const SurfaceId id{ray.hit.instID[0], ray.hit.geomID, ray.hit.primID};
+    glm::vec3 normal(ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z);
+    if (id.instance != SurfaceId::none) normal = impl_->normals[id.instance - impl_->scene->placed.size()] * normal;
+    return {id, ray.ray.tfar, {ray.hit.u, ray.hit.v}, normal};
 }
 
 Surface Tracer::surface(const Hit& hit, glm::vec3 direction) const noexcept {

@@ -27,6 +27,7 @@ struct Hit {
     SurfaceId id;
     float distance = std::numeric_limits<float>::infinity();
     glm::vec2 barycentric{0};
+    glm::vec3 normal{0};  // of the triangle, in the level; any length, out of either side
 
     [[nodiscard]] bool found() const { return id.geometry != SurfaceId::none; }
 };

@@ -1,8 +1,10 @@
 #pragma once
 
 #include "probes/error_report.h"
+#include "probes/look_ups.h"
 #include "probes/paths.h"
 #include "probes/placement.h"
+#include "probes/surface_cache.h"
 #include "probes/volume.h"
 
 #include <glm/glm.hpp>
@@ -16,14 +18,21 @@
 /// The bake as a whole: plan_bake decides what will be done, run_bake does it.
 namespace lightgrid {
 
+/// How gather rays learn what surfaces reflect: each by a path of its own (unbiased), or from a surface cache that all
+/// share (its noise and what it cannot resolve are the same in every replicate: bias, measured apart).
+enum class Method { path, cache };
+[[nodiscard]] const char* name_of(Method method) noexcept;
+
 struct BakeOptions {
     PlacementOptions placement;
     std::optional<std::vector<glm::dvec3>> probes;  // a list to gather exactly where it is, instead of grids
     int bands = 3;
     std::optional<std::uint32_t> samples;  // gather rays per probe; none: what default_ray_budget pays for
+    Method method = Method::path;
     std::uint64_t seed = 0;
-    bool measure_error = true;  // trace held-out points and report the error, at about a quarter of the cost
-    std::string environment;    // for the header: what lit the level besides its own lights
+    bool measure_error = true;      // trace held-out points and report the error, at about a quarter of the cost
+    bool compare_look_ups = false;  // where the error is measured: also with fewer bands, nearest probe, half and float
+    std::string environment;        // for the header: what lit the level besides its own lights
 };
 
 /// Where --samples is not given: the most, in powers of two, that trace no more rays than this (well under a minute on
@@ -44,6 +53,9 @@ struct BakePlan {
     std::vector<std::size_t> slots;  // probes to gather
     std::vector<glm::vec3> points;   // where, relative to Scene::origin
     std::uint32_t samples = 0;       // per probe
+    double paths_for_gathers = 0;    // so many paths cost what the gather of a probe does
+    Method method = Method::path;    // paths where few probes make a cache not worth its while
+    CacheOptions cache;
     std::string why_spacing;
     std::string why_samples;
     PlacementCounts placement;
@@ -67,10 +79,11 @@ struct BakeResult {
     std::optional<ErrorReport> error;  // grids only, where asked for and where any free point was found
     std::string no_error_because;      // why not
     ErrorPart noise;                   // over all probes: always known
-    double storage_error = 0;          // lux, root mean square over probes and directions
     std::vector<CurvePoint> curve;
+    std::vector<LookUpCost> look_ups;  // where asked for and the error was measured
     std::vector<LeftOut> left_out;
     std::vector<Stage> stages;
+    std::optional<CacheMade> cache;
     PathCounts counts;
     std::size_t filled = 0;
 };

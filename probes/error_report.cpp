@@ -2,13 +2,11 @@
 
 #include "core/parallel.h"
 #include "core/sh.h"
-#include "probes/sampler.h"
 
 #include <glm/gtc/constants.hpp>
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace lightgrid {
 namespace {
@@ -25,6 +23,9 @@ struct PointSums {
     double noise = 0;
     double bands = 0;
     double interpolation = 0;
+    double storage = 0;
+    double cross = 0;
+    double bias = 0;
 };
 
 double component_sum(glm::dvec3 v) {
@@ -69,6 +70,7 @@ ErrorPart summarise(const std::vector<PointSums>& sums, double PointSums::*part)
     ErrorPart result;
     result.relrmse = ratio([](std::size_t i) { return i; });
     std::vector<double> resampled;
+    resampled.reserve(resamplings);
     RandomStream random(0);
     for (int k = 0; k < resamplings; ++k) {
         resampled.push_back(ratio([&](std::size_t) {
@@ -132,20 +134,31 @@ HeldOut trace_held_out(const Volume& volume, const PathTracer& paths, const Ligh
     return held_out;
 }
 
-ErrorReport measure_error(const Volume& volume, const HeldOut& reference, double storage_error) {
+void trace_bias(HeldOut& held_out, const PathTracer& paths, const SurfaceCache& cache, const BiasOptions& options) {
+    std::vector<glm::vec3> relative;
+    for (const glm::dvec3& point : held_out.points) relative.emplace_back(point - paths.tracer().scene().origin);
+    held_out.bias = measure_bias(paths, cache, relative, even_normals(), options);
+    held_out.counts += held_out.bias->counts;
+}
+
+ErrorReport measure_error(const Volume& volume, const HeldOut& reference, const Volume* rounded_from,
+                          const SampleOptions& look_up) {
     ErrorReport report;
     report.points = reference.points.size();
     report.normals = normals_per_point;
     if (reference.points.empty()) return report;
 
+    const Volume& unrounded = rounded_from != nullptr ? *rounded_from : volume;
     const Sampler sampler(volume);
+    const Sampler unrounded_sampler(unrounded);
     const std::vector<glm::vec3> normals = even_normals();
     const std::size_t n = volume.sh_size();
     std::vector<PointSums> sums(report.points);
     std::vector<double> mean_irradiance(report.points);
     std::vector<std::vector<double>> differences(report.points);  // |dE| per normal and colour
     for_each_index(report.points, [&](std::size_t i) {
-        const Sample interpolated = sampler.sample(reference.points[i]);
+        const Sample interpolated = sampler.sample(reference.points[i], look_up);
+        const Sample exact = unrounded_sampler.sample(reference.points[i], look_up);
         std::vector<glm::vec3> sh_a;
         std::vector<glm::vec3> sh_b;
         for (std::size_t k = 0; k < n; ++k) {
@@ -161,33 +174,37 @@ ErrorReport measure_error(const Volume& volume, const HeldOut& reference, double
             const glm::dvec3 ours(irradiance_from_sh(interpolated.sh, normals[k]));
             sum.reference += component_sum(a * b);
             sum.total += component_sum((ours - a) * (ours - b));
+            const glm::dvec3 rounding = ours - glm::dvec3(irradiance_from_sh(exact.sh, normals[k]));
             sum.bands += component_sum((a - truncated_a) * (b - truncated_b));
+            sum.cross +=
+                component_sum((ours - truncated_a) * (truncated_b - b) + (ours - truncated_b) * (truncated_a - a));
+            sum.storage += component_sum(rounding * rounding);
             sum.interpolation += component_sum((truncated_a - ours) * (truncated_b - ours));
+            if (reference.bias) {
+                const std::size_t index = i * normals.size() + k;
+                sum.bias += component_sum(reference.bias->a[index] * reference.bias->b[index]);
+            }
             const glm::dvec3 mean = 0.5 * (a + b);
             mean_irradiance[i] += component_sum(mean) / (3.0 * static_cast<double>(normals.size()));
             for (int c = 0; c < 3; ++c) differences[i].push_back(std::abs(ours[c] - mean[c]));
         }
-        const Sampler::Corners corners = sampler.corners(reference.points[i]);
+        const Sampler::Corners corners = sampler.corners(reference.points[i], look_up);
         for (int c = 0; c < corners.count; ++c) {
-            const auto errors = std::span(volume.errors).subspan(corners.slots[c] * n, n);
+            const auto errors = std::span(unrounded.errors).subspan(corners.slots[c] * n, n);
             const double weight = corners.weights[c];
             sum.noise += weight * weight * irradiance_variance(errors, volume.bands);
         }
         sum.noise *= static_cast<double>(normals.size());
-        sum.interpolation -= sum.noise;
+        sum.interpolation -= sum.noise + sum.storage + sum.bias;
     });
 
     report.total = summarise(sums, &PointSums::total);
     report.noise = summarise(sums, &PointSums::noise);
     report.bands = summarise(sums, &PointSums::bands);
     report.interpolation = summarise(sums, &PointSums::interpolation);
-    const double reference_sum =
-        std::accumulate(sums.begin(), sums.end(), 0.0, [](double s, const PointSums& p) { return s + p.reference; });
-    if (reference_sum > 0) {
-        const double mean_square = reference_sum / static_cast<double>(report.points * normals.size() * 3);
-        report.storage.relrmse = storage_error / std::sqrt(mean_square);
-        report.storage.interval = {report.storage.relrmse, report.storage.relrmse};
-    }
+    report.storage = summarise(sums, &PointSums::storage);
+    report.cross = summarise(sums, &PointSums::cross);
+    if (reference.bias) report.bias = summarise(sums, &PointSums::bias);
 
     std::vector<double> sorted = mean_irradiance;
     const double floor = 0.01 * percentile(sorted, 0.5);

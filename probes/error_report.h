@@ -1,7 +1,9 @@
 #pragma once
 
+#include "probes/cache_bias.h"
 #include "probes/gather.h"
 #include "probes/placement.h"
+#include "probes/sampler.h"
 #include "probes/volume.h"
 
 #include <glm/glm.hpp>
@@ -19,8 +21,12 @@
 ///
 ///     bands          (A - A_sh)(B - B_sh)             A_sh: irradiance of the truncated SH at x
 ///     noise          sum_c w_c^2 sum_i A_l^2 var_i / (4 pi)   corners c with weights w_c; exact mean over all normals
-///     interpolation  (A_sh - E_vol)(B_sh - E_vol) - noise
-///     storage        noise-free: what rounding to half added
+///     storage        (E_vol - E_float)^2                E_float: the same look-up before its numbers were rounded
+///     bias           (C_a - A')(C_b - B')               with a surface cache: cached minus true at x (cache_bias.h)
+///     interpolation  (A_sh - E_vol)(B_sh - E_vol) - noise - storage - bias
+///     cross          (E_vol - A_sh)(B_sh - B) + (E_vol - B_sh)(A_sh - A), what bands and the rest have in common
+///
+/// total = bands + noise + storage + bias + interpolation + cross, exactly.
 ///
 /// Points are the sampling unit: 95 % intervals are percentiles of 1,000 resamplings of points with replacement.
 namespace lightgrid {
@@ -40,7 +46,8 @@ struct ErrorPart {
 struct ErrorReport {
     std::size_t points = 0;
     std::size_t normals = 0;
-    ErrorPart total, noise, bands, interpolation, storage;
+    ErrorPart total, noise, bands, interpolation, storage, cross;
+    std::optional<ErrorPart> bias;  // of a surface cache
     double p50 = 0, p95 = 0, p99 = 0;  // of |dE| / max(mean E at x, 1 % of the level's median E)
     struct Worst {
         glm::dvec3 position{0};
@@ -55,6 +62,7 @@ struct HeldOut {
     Gather a;                        // two independent halves
     Gather b;
     PathCounts counts;
+    std::optional<CacheBias> bias;  // of the cache that lit the volume, at the same points and normals
 };
 
 struct HeldOutOptions {
@@ -68,7 +76,12 @@ struct HeldOutOptions {
 [[nodiscard]] HeldOut trace_held_out(const Volume& volume, const PathTracer& paths, const LightEvidence& light,
                                      const HeldOutOptions& options);
 
-/// storage_error: root mean square over the sphere of the irradiance that rounding changed, per probe (lux); 0 if none.
-[[nodiscard]] ErrorReport measure_error(const Volume& volume, const HeldOut& reference, double storage_error);
+/// How far a cache is off at held-out points.
+void trace_bias(HeldOut& held_out, const PathTracer& paths, const SurfaceCache& cache, const BiasOptions& options);
+
+/// rounded_from  the volume before its numbers were rounded for storage; none: they were not, and storage is 0
+/// look_up       how the volume is read
+[[nodiscard]] ErrorReport measure_error(const Volume& volume, const HeldOut& reference,
+                                        const Volume* rounded_from = nullptr, const SampleOptions& look_up = {});
 
 }  // namespace lightgrid

@@ -71,7 +71,7 @@ void GatherSums::add_replicates(std::uint32_t count, const std::function<void(st
             PathCounts counts;
             std::vector<LightSample> light;
             const std::uint64_t key = mix_bits(mix_bits(mix_bits(options_.seed, 1), point), replicates_ + replicate);
-            paths_->gather(points_[point], key, directions_, light, counts);
+            paths_->gather(points_[point], key, directions_, light, counts, options_.rays);
             project(
                 point, light,
                 std::span(values).subspan((replicate * points_.size() + point) * values_per_point_, values_per_point_));

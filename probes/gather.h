@@ -22,6 +22,7 @@ struct GatherOptions {
     /// points, or (one_normal_each) the i-th for point i.
     std::vector<glm::vec3> normals;
     bool one_normal_each = false;
+    GatherRays rays;  // paths or cache
 
     [[nodiscard]] std::uint32_t samples_per_replicate() const { return (samples + replicates - 1) / replicates; }
     [[nodiscard]] std::size_t normals_per_point() const { return one_normal_each ? 1 : normals.size(); }

@@ -1,5 +1,7 @@
 #include "probes/paths.h"
 
+#include "probes/surface_cache.h"
+
 #include <glm/gtc/constants.hpp>
 
 #include <algorithm>
@@ -14,12 +16,24 @@ constexpr float uniform_sphere_pdf = 0.25F * glm::one_over_pi<float>();
 /// Paths whose throughput stays above this never end by chance; below it they survive in proportion to it.
 constexpr float roulette_threshold = 0.25F;
 
+/// Of light that passes surfaces straight on, less than this share is not followed up.
+constexpr float least_share = 1e-4F;
+
 float largest(glm::vec3 v) {
     return std::max({v.x, v.y, v.z});
 }
 
 bool is_finite(glm::vec3 v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+void add(LightSample sample, float weight, std::vector<LightSample>& out, PathCounts& counts) {
+    sample.radiance *= weight;
+    if (!is_finite(sample.radiance)) {
+        ++counts.dropped;
+        return;
+    }
+    if (sample.radiance != glm::vec3(0)) out.push_back(sample);
 }
 
 }  // namespace
@@ -45,7 +59,7 @@ struct PathTracer::Vertex {
 };
 
 /// What a gather's random numbers are for: each has a stream of its own.
-enum Stream : std::uint64_t { turning, stratified, independent };
+enum Stream : std::uint64_t { turning, stratified, independent, lighting };
 
 /// The random numbers of one path: its first decisions by low-discrepancy points, so that they are stratified over all
 /// paths of a replicate; the others by independent numbers.
@@ -82,6 +96,15 @@ PathTracer::PathTracer(const Tracer& tracer, const Environment& environment)
     use_.reflection = std::any_of(scene.meshes.begin(), scene.meshes.end(), [&](const Mesh& mesh) {
         return scene.materials[mesh.material].base_color != glm::vec3(0);
     });
+    for (const Material& material : scene.materials) {
+        // What MASK cuts away is never met.
+        const bool passes = material.alpha_mode == AlphaMode::blend || material.transmission > 0;
+        only_reflects_.push_back(!passes && !material.emits());
+    }
+}
+
+bool PathTracer::only_reflects(const Hit& hit) const noexcept {
+    return only_reflects_[static_cast<std::size_t>(tracer_->mesh(hit.id).material)] != 0;
 }
 
 PunctualLight punctual_light_at(const Light& light, glm::vec3 point) noexcept {
@@ -113,7 +136,8 @@ PunctualLight punctual_light_at(const Light& light, glm::vec3 point) noexcept {
     return result;
 }
 
-LightSample PathTracer::from_emitters(const Vertex& vertex, Dimensions& dimensions, PathCounts& counts) const {
+LightSample PathTracer::from_emitters(const Vertex& vertex, Dimensions& dimensions, PathCounts& counts,
+                                      float rays_per_sample) const {
     const double pick = dimensions.next_choice();
     const Emitters::Sample emitter = emitters_.sample(vertex.receiver(), pick, dimensions.next2());
     if (emitter.radiance == glm::vec3(0)) return {};
@@ -123,7 +147,16 @@ LightSample PathTracer::from_emitters(const Vertex& vertex, Dimensions& dimensio
     const glm::vec3 origin = vertex.origin(direction);
     ++counts.shadow_rays;
     const glm::vec3 passed = tracer_->transmittance(origin, emitter.position - origin, 1);
-    return {direction, passed * emitter.radiance * (response / (emitter.pdf + vertex.pdf(direction)))};
+    return {direction,
+            passed * emitter.radiance * (response / (emitter.pdf + rays_per_sample * vertex.pdf(direction)))};
+}
+
+LightSample PathTracer::from_sky(const Vertex& vertex, const SkyLight::Sample& sample, PathCounts& counts) const {
+    const float response = vertex.response(sample.direction);
+    if (!(response > 0) || sample.radiance == glm::vec3(0)) return {};
+    ++counts.shadow_rays;
+    const glm::vec3 passed = tracer_->transmittance(vertex.origin(sample.direction), sample.direction, infinity);
+    return {sample.direction, passed * sample.radiance * response};
 }
 
 LightSample PathTracer::from_environment(const Vertex& vertex, Dimensions& dimensions, PathCounts& counts) const {
@@ -165,31 +198,107 @@ LightSample PathTracer::from_lights(const Vertex& vertex, Dimensions& dimensions
     return {arriving.direction, passed * arriving.irradiance * (vertex.response(arriving.direction) * sum / share)};
 }
 
-glm::vec3 PathTracer::radiance_along(glm::vec3 origin, glm::vec3 direction, Dimensions& dimensions, PathCounts& counts,
-                                     std::uint32_t most_bounces) const {
+glm::vec3 PathTracer::sky_along(glm::vec3 share, glm::vec3 direction, float pdf) const {
+    if (!use_.sky) return glm::vec3(0);
+    const Environment::Sample sky = environment_->look_up(direction);
+    const float other = use_.environment ? sky.pdf : 0.0F;
+    return share * sky.radiance * (pdf / (pdf + other));
+}
+
+glm::vec3 PathTracer::emission_of(glm::vec3 share, const Hit& hit, const Surface& surface, const SurfacePoint& point,
+                                  const Receiver& from, float pdf, float samples_per_ray) const {
+    if (point.emission == glm::vec3(0) || !emitters_.emits(hit, surface.front)) return glm::vec3(0);
+    const float other = samples_per_ray * emitters_.pdf(from, hit, surface);
+    return share * point.alpha * point.emission * (pdf / (pdf + other));
+}
+
+glm::vec3 PathTracer::look_along(const Receiver& from, glm::vec3 origin, glm::vec3 direction, float samples_per_ray,
+                                 const SkyLight& sky, std::vector<Met>& met, PathCounts& counts) const {
+    const bool on_surface = from.normal != glm::vec3(0);
+    const float pdf =
+        on_surface ? std::max(0.0F, glm::dot(from.normal, direction)) * glm::one_over_pi<float>() : uniform_sphere_pdf;
+    glm::vec3 light(0);
+    Met now;
+    for (;;) {
+        ++counts.rays;
+        now.hit = tracer_->closest_hit(origin, direction, infinity, now.hit);
+        if (!now.hit.found()) return light + now.share * sky.along(direction);
+        met.push_back(now);
+        if (only_reflects(now.hit)) return light;
+        const Surface surface = tracer_->surface(now.hit, direction);
+        const SurfacePoint point =
+            surface_at(tracer_->scene(), *surface.mesh, now.hit.id.triangle, now.hit.barycentric);
+        light += emission_of(now.share, now.hit, surface, point, from, pdf, samples_per_ray);
+        now.share *= passed_share(point);
+        if (largest(now.share) < least_share) return light;
+    }
+}
+
+glm::vec3 PathTracer::direct_light(const Surface& surface, glm::vec3 normal, std::uint64_t key, std::uint32_t i,
+                                   std::uint32_t count, float rays_per_sample, const SkyLight& sky,
+                                   PathCounts& counts) const {
+    const Vertex vertex{surface.position, &surface, normal};
+    glm::vec3 sum(0);
+    const auto add_finite = [&](glm::vec3 light) {
+        if (is_finite(light)) {
+            sum += light;
+        } else {
+            ++counts.dropped;
+        }
+    };
+    if (use_.emitters || use_.lights) {
+        for (std::uint32_t k = i * count; k < (i + 1) * count; ++k) {
+            Dimensions dimensions(key, k);
+            if (use_.emitters) add_finite(from_emitters(vertex, dimensions, counts, rays_per_sample).radiance);
+            if (use_.lights) add_finite(from_lights(vertex, dimensions, counts).radiance);
+        }
+    }
+    if (sky.has_samples()) {
+        for (const SkyLight::Sample& sample : sky.samples(key + i, count)) {
+            add_finite(from_sky(vertex, sample, counts).radiance);
+        }
+    }
+    return sum / static_cast<float>(count);
+}
+
+glm::vec3 PathTracer::reflected_radiance(const Hit& hit, glm::vec3 direction, std::uint64_t key, std::uint32_t i,
+                                         PathCounts& counts) const {
+    const Surface surface = tracer_->surface(hit, direction);
+    const SurfacePoint point = surface_at(tracer_->scene(), *surface.mesh, hit.id.triangle, hit.barycentric);
+    const glm::vec3 reflected = reflected_share(point);
+    if (reflected == glm::vec3(0)) return glm::vec3(0);
+    Dimensions dimensions(key, i);
+    const Vertex vertex{surface.position, &surface, surface.front ? surface.normal : -surface.normal};
+    glm::vec3 radiance(0);
+    if (use_.lights) radiance += from_lights(vertex, dimensions, counts).radiance;
+    if (use_.emitters) radiance += from_emitters(vertex, dimensions, counts).radiance;
+    if (use_.environment) radiance += from_environment(vertex, dimensions, counts).radiance;
+    const glm::vec3 onwards = cosine_direction(vertex.normal, dimensions.next2());
+    const float pdf = vertex.pdf(onwards);
+    if (pdf > 0) {
+        const glm::vec3 origin = surface.leave(onwards);
+        ++counts.rays;
+        radiance += radiance_along(origin, onwards, tracer_->closest_hit(origin, onwards), {vertex.receiver(), pdf},
+                                   dimensions, counts, {});
+    }
+    return reflected * radiance;
+}
+
+glm::vec3 PathTracer::radiance_along(glm::vec3 origin, glm::vec3 direction, Hit hit, Scattering scattering,
+                                     Dimensions& dimensions, PathCounts& counts, const GatherRays& rays) const {
     const Scene& scene = tracer_->scene();
     glm::vec3 radiance(0);
     glm::vec3 throughput(1);
-    Receiver scattered_at{origin, {}};         // where the path last chose a direction,
-    float scattered_pdf = uniform_sphere_pdf;  // and how densely
-    Hit passed_through;                        // since then, the last surface
     for (std::uint32_t bounce = 0;;) {
-        ++counts.rays;
-        const Hit hit = tracer_->closest_hit(origin, direction, infinity, passed_through);
         if (!hit.found()) {
-            if (use_.sky) {
-                const Environment::Sample sky = environment_->look_up(direction);
-                const float other = use_.environment ? sky.pdf : 0.0F;
-                radiance += throughput * sky.radiance * (scattered_pdf / (scattered_pdf + other));
-            }
-            return radiance;
+            const bool from_probe = rays.cache != nullptr && bounce == 0;
+            return radiance + (from_probe ? throughput * rays.cache->sky().along(direction)
+                                          : sky_along(throughput, direction, scattering.pdf));
         }
         const Surface surface = tracer_->surface(hit, direction);
         const SurfacePoint point = surface_at(scene, *surface.mesh, hit.id.triangle, hit.barycentric);
-        if (point.emission != glm::vec3(0) && emitters_.emits(hit, surface.front)) {
-            const float other = emitters_.pdf(scattered_at, hit, surface);
-            radiance += throughput * point.alpha * point.emission * (scattered_pdf / (scattered_pdf + other));
-        }
+        radiance +=
+            emission_of(throughput, hit, surface, point, scattering.at, scattering.pdf, scattering.samples_per_ray);
 
         // Straight on, or reflected.
         const glm::vec3 passed = passed_share(point);
@@ -198,13 +307,18 @@ glm::vec3 PathTracer::radiance_along(glm::vec3 origin, glm::vec3 direction, Dime
             const float pass_probability = luminance(passed) / (luminance(passed) + luminance(reflected));
             if (dimensions.next() < pass_probability) {
                 throughput *= passed / pass_probability;
-                passed_through = hit;
+                ++counts.rays;
+                hit = tracer_->closest_hit(origin, direction, infinity, hit);
                 continue;
             }
             throughput /= 1 - pass_probability;
         }
+        if (rays.cache != nullptr) {
+            const glm::vec3* known = rays.cache->look_up(*tracer_, hit, origin, direction, counts);
+            if (known != nullptr) return radiance + throughput * *known;
+        }
         throughput *= reflected;
-        if (bounce++ == most_bounces) return radiance;
+        if (bounce++ == rays.most_bounces) return radiance;
 
         const float brightest = largest(throughput);
         if (brightest < roulette_threshold) {
@@ -220,33 +334,79 @@ glm::vec3 PathTracer::radiance_along(glm::vec3 origin, glm::vec3 direction, Dime
 
         direction = cosine_direction(vertex.normal, dimensions.next2());
         origin = surface.leave(direction);
-        scattered_at = vertex.receiver();
-        passed_through = {};
-        scattered_pdf = vertex.pdf(direction);
-        if (!(scattered_pdf > 0)) return radiance;
+        scattering = {vertex.receiver(), vertex.pdf(direction)};
+        if (!(scattering.pdf > 0)) return radiance;
+        ++counts.rays;
+        hit = tracer_->closest_hit(origin, direction);
     }
 }
 
 void PathTracer::gather(glm::vec3 point, std::uint64_t key, std::span<const glm::vec3> even,
-                        std::vector<LightSample>& out, PathCounts& counts, std::uint32_t most_bounces) const {
+                        std::vector<LightSample>& out, PathCounts& counts, const GatherRays& rays) const {
+    if (rays.cache != nullptr) return gather_cached(point, key, even, out, counts, rays);
     const Vertex probe{point, nullptr, {}};
     const float share = 1 / static_cast<float>(even.size());
     const glm::mat3 rotation = random_rotation(mix_bits(key, turning));
-    const auto add = [&](LightSample sample, float weight) {
-        sample.radiance *= weight;
-        if (!is_finite(sample.radiance)) {
-            ++counts.dropped;
-            return;
-        }
-        if (sample.radiance != glm::vec3(0)) out.push_back(sample);
-    };
     for (std::uint32_t i = 0; i < even.size(); ++i) {
         Dimensions dimensions(key, i);
         const glm::vec3 direction = rotation * even[i];
-        if (use_.emitters) add(from_emitters(probe, dimensions, counts), share);
-        if (use_.environment) add(from_environment(probe, dimensions, counts), share);
-        add({direction, radiance_along(point, direction, dimensions, counts, most_bounces)},
-            share / uniform_sphere_pdf);
+        if (use_.emitters) add(from_emitters(probe, dimensions, counts), share, out, counts);
+        if (use_.environment) add(from_environment(probe, dimensions, counts), share, out, counts);
+        ++counts.rays;
+        const Hit hit = tracer_->closest_hit(point, direction);
+        add({direction,
+             radiance_along(point, direction, hit, {{point, {}}, uniform_sphere_pdf}, dimensions, counts, rays)},
+            share / uniform_sphere_pdf, out, counts);
+    }
+}
+
+void PathTracer::gather_cached(glm::vec3 point, std::uint64_t key, std::span<const glm::vec3> even,
+                               std::vector<LightSample>& out, PathCounts& counts, const GatherRays& rays) const {
+    const Vertex probe{point, nullptr, {}};
+    const SkyLight& sky = rays.cache->sky();
+    const auto count = static_cast<std::uint32_t>(even.size());
+    const std::uint32_t light_samples = std::max(1U, count / rays.rays_per_light_sample);
+    const float rays_per_sample = static_cast<float>(count) / static_cast<float>(light_samples);
+    const float sample_share = 1 / static_cast<float>(light_samples);
+    const std::uint64_t lights_key = mix_bits(key, lighting);  // so that these are stratified by themselves
+    for (std::uint32_t i = 0; i < light_samples && use_.emitters; ++i) {
+        Dimensions dimensions(lights_key, i);
+        add(from_emitters(probe, dimensions, counts, rays_per_sample), sample_share, out, counts);
+    }
+    if (sky.has_samples()) {
+        for (const SkyLight::Sample& sample : sky.samples(lights_key, light_samples)) {
+            add(from_sky(probe, sample, counts), sample_share, out, counts);
+        }
+    }
+
+    // Step by step for all rays, because what is read at random places of memory is then waited for together.
+    const float share = 1 / (static_cast<float>(count) * uniform_sphere_pdf);
+    const glm::mat3 rotation = random_rotation(mix_bits(key, turning));
+    std::vector<Hit> hits;
+    hits.reserve(count);
+    counts.rays += count;
+    for (const glm::vec3& direction : even) hits.push_back(tracer_->closest_hit(point, rotation * direction));
+    std::vector<const glm::vec3*> known(count, nullptr);
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const glm::vec3 direction = rotation * even[i];
+        if (!hits[i].found()) {
+            known[i] = &sky.along(direction);
+        } else if (only_reflects(hits[i])) {
+            known[i] = rays.cache->look_up(*tracer_, hits[i], point, direction, counts);
+        }
+    }
+    out.reserve(out.size() + count);
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const glm::vec3 direction = rotation * even[i];
+        if (known[i] != nullptr) {
+            out.push_back({direction, share * *known[i]});
+        } else {
+            Dimensions dimensions(key, i);
+            add({direction,
+                 radiance_along(point, direction, hits[i], {{point, {}}, uniform_sphere_pdf, 1 / rays_per_sample},
+                                dimensions, counts, rays)},
+                share, out, counts);
+        }
     }
 }
 

@@ -4,6 +4,7 @@
 #include "core/sampling.h"
 #include "core/tracer.h"
 #include "probes/emitters.h"
+#include "probes/sky_light.h"
 
 #include <glm/glm.hpp>
 
@@ -13,6 +14,8 @@
 
 /// The unbiased estimator of light: next-event estimation, multiple importance sampling, Russian roulette.
 namespace lightgrid {
+
+class SurfaceCache;
 
 /// A part of the light at a point: an integral of radiance times f over all directions is the sum of radiance *
 /// f(direction) over the samples of a gather; `radiance` has been divided by density and sample count.
@@ -43,6 +46,24 @@ struct Estimators {
     bool sky = false;          // the environment is not black: rays that leave are looked up
 };
 
+/// How a gather goes about it.
+struct GatherRays {
+    static constexpr std::uint32_t unlimited = 0xffffffffU;
+    /// Paths end after so many; a limit makes the result too dark and is for rough looks only.
+    std::uint32_t most_bounces = unlimited;
+    /// Paths end at the first surface whose reflected light is known here. Null: none is.
+    const SurfaceCache* cache = nullptr;
+    /// With a cache, one sample of emitters and environment for each so many gather rays, but at least one: such
+    /// samples cost as much as a ray, and the light that they are for has no other noise.
+    std::uint32_t rays_per_light_sample = 2;
+};
+
+/// A surface that a ray met, and the share of light from there that what the ray has passed before lets through.
+struct Met {
+    Hit hit;
+    glm::vec3 share{1};
+};
+
 class PathTracer {
   public:
     /// Keeps references to both; they must outlive it.
@@ -54,34 +75,77 @@ class PathTracer {
     [[nodiscard]] const Emitters& emitters() const noexcept { return emitters_; }
 
     /// All light that arrives at `point` (relative to Scene::origin) but that which comes straight from punctual
-    /// lights, by gather rays along `even`, each continued as a path, and as many samples of emitters and environment.
+    /// lights, by gather rays along `even`, each continued as a path, and by samples of emitters and environment.
     ///
-    /// key           picks the random numbers: one per (seed, probe, replicate)
-    /// even          at least one direction, spread evenly over the sphere; the whole set is turned at random
-    /// out           appended to
-    /// most_bounces  paths end there; a limit makes the result too dark and is for rough looks only
+    /// key   picks the random numbers: one per (seed, probe, replicate)
+    /// even  at least one direction, spread evenly over the sphere; the whole set is turned at random
+    /// out   appended to
     void gather(glm::vec3 point, std::uint64_t key, std::span<const glm::vec3> even, std::vector<LightSample>& out,
-                PathCounts& counts, std::uint32_t most_bounces = unlimited) const;
-
-    static constexpr std::uint32_t unlimited = 0xffffffffU;
+                PathCounts& counts, const GatherRays& rays = {}) const;
 
     /// Light straight from punctual lights: one shadow ray each, exact. Appended to `out`.
     void gather_punctual(glm::vec3 point, std::vector<LightSample>& out, PathCounts& counts) const;
+
+    /// A ray that starts at a probe (normal 0) or on a surface (cosine-weighted about the normal), past surfaces that
+    /// light passes to the first that stops it. Returns the light straight from emitters and sky along it, weighted
+    /// against `samples_per_ray` samples of emitters by direct_light for each such ray.
+    ///
+    /// met  appended to: all surfaces on the way, that reflect or not
+    [[nodiscard]] glm::vec3 look_along(const Receiver& from, glm::vec3 origin, glm::vec3 direction,
+                                       float samples_per_ray, const SkyLight& sky, std::vector<Met>& met,
+                                       PathCounts& counts) const;
+
+    /// The other part of the light that comes straight to a surface's side: the i-th `count` samples of emitters, sky
+    /// and punctual lights, for `rays_per_sample` cosine-weighted rays of look_along each. Returns the mean radiance
+    /// that a white surface would reflect (irradiance / pi).
+    ///
+    /// normal  of the side, unit length
+    /// key     picks the random numbers; all samples of one key are stratified together
+    [[nodiscard]] glm::vec3 direct_light(const Surface& surface, glm::vec3 normal, std::uint64_t key, std::uint32_t i,
+                                         std::uint32_t count, float rays_per_sample, const SkyLight& sky,
+                                         PathCounts& counts) const;
+
+    /// What the side that a ray met reflects towards it, estimated by the i-th path of a key: unbiased, the truth that a
+    /// cache is measured against.
+    [[nodiscard]] glm::vec3 reflected_radiance(const Hit& hit, glm::vec3 direction, std::uint64_t key, std::uint32_t i,
+                                               PathCounts& counts) const;
+
+    /// The surface neither emits nor lets light pass: all there is to it is what it reflects.
+    [[nodiscard]] bool only_reflects(const Hit& hit) const noexcept;
 
   private:
     struct Vertex;
     class Dimensions;
 
-    [[nodiscard]] LightSample from_emitters(const Vertex& vertex, Dimensions& dimensions, PathCounts& counts) const;
+    void gather_cached(glm::vec3 point, std::uint64_t key, std::span<const glm::vec3> even,
+                       std::vector<LightSample>& out, PathCounts& counts, const GatherRays& rays) const;
+
+    // rays_per_sample: how many rays are sent from the vertex by its own density for each of these samples.
+    [[nodiscard]] LightSample from_emitters(const Vertex& vertex, Dimensions& dimensions, PathCounts& counts,
+                                            float rays_per_sample = 1) const;
     [[nodiscard]] LightSample from_environment(const Vertex& vertex, Dimensions& dimensions, PathCounts& counts) const;
+    [[nodiscard]] LightSample from_sky(const Vertex& vertex, const SkyLight::Sample& sample, PathCounts& counts) const;
     [[nodiscard]] LightSample from_lights(const Vertex& vertex, Dimensions& dimensions, PathCounts& counts) const;
-    [[nodiscard]] glm::vec3 radiance_along(glm::vec3 origin, glm::vec3 direction, Dimensions& dimensions,
-                                           PathCounts& counts, std::uint32_t most_bounces) const;
+    /// Where a path last chose a direction, how densely, and how many samples of emitters were taken there for it.
+    struct Scattering {
+        Receiver at;
+        float pdf = 0;
+        float samples_per_ray = 1;
+    };
+    [[nodiscard]] glm::vec3 radiance_along(glm::vec3 origin, glm::vec3 direction, Hit hit, Scattering scattering,
+                                           Dimensions& dimensions, PathCounts& counts, const GatherRays& rays) const;
+    // What reaches the start of a ray, `share` of it let through: from the sky, weighted against one sample of the kind
+    // above, or from an emitting surface that it met, against samples_per_ray samples.
+    [[nodiscard]] glm::vec3 sky_along(glm::vec3 share, glm::vec3 direction, float pdf) const;
+    [[nodiscard]] glm::vec3 emission_of(glm::vec3 share, const Hit& hit, const Surface& surface,
+                                        const SurfacePoint& point, const Receiver& from, float pdf,
+                                        float samples_per_ray) const;
 
     const Tracer* tracer_;
     const Environment* environment_;
     Emitters emitters_;
     Estimators use_;
+    std::vector<char> only_reflects_;  // by material
 };
 
 /// What a punctual light brings to `point` where nothing is in the way: `radiance` is the irradiance (lux) on a surface

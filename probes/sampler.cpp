@@ -95,7 +95,25 @@ Sampler::Corners Sampler::cell_corners(std::size_t grid, glm::ivec3 lower, glm::
     return result;
 }
 
+// Seven corners are looked at only where the nearest is not valid.
+Sampler::Corners Sampler::nearest_corner(std::size_t grid, glm::ivec3 lower, glm::dvec3 share) const noexcept {
+    const glm::dvec3 nearest(share.x < 0.5 ? 0 : 1, share.y < 0.5 ? 0 : 1, share.z < 0.5 ? 0 : 1);
+    Corners result = cell_corners(grid, lower, nearest);
+    if (result.known > 0) return result;
+    result = cell_corners(grid, lower, share);
+    if (result.count == 0) return result;
+    const auto heaviest = std::max_element(result.weights.begin(), result.weights.begin() + result.count);
+    result.slots[0] = result.slots[static_cast<std::size_t>(heaviest - result.weights.begin())];
+    result.weights[0] = 1;
+    result.count = 1;
+    return result;
+}
+
 Sampler::Corners Sampler::corners(glm::dvec3 position, const SampleOptions& options) const noexcept {
+    const auto answer = [&](std::size_t grid, const CellPoint& point) {
+        return options.interpolation == Interpolation::nearest ? nearest_corner(grid, point.lower, point.share)
+                                                               : cell_corners(grid, point.lower, point.share);
+    };
     Corners found;
     CellPoint nearest;
     nearest.squared_distance = std::numeric_limits<double>::infinity();
@@ -107,13 +125,13 @@ Sampler::Corners Sampler::corners(glm::dvec3 position, const SampleOptions& opti
             nearest_grid = grid;
         }
         if (point.squared_distance > 0 || nearest.squared_distance > 0) continue;  // outside of it
-        const Corners candidate = cell_corners(grid, point.lower, point.share);
+        const Corners candidate = answer(grid, point);
         if (found.count == 0 || candidate.known > 0) found = candidate;
         if (found.known > 0) return found;
     }
     if (nearest.squared_distance == 0 || nearest_grid == grids_.size()) return found;
 
-    found = cell_corners(nearest_grid, nearest.lower, nearest.share);
+    found = answer(nearest_grid, nearest);
     if (options.outside == Outside::fade) {
         const double distance = std::sqrt(nearest.squared_distance);
         const double share = distance < options.fade_distance ? distance / options.fade_distance : 1;

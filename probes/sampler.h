@@ -13,12 +13,14 @@
 namespace lightgrid {
 
 enum class Outside : std::uint8_t { clamp, fade };  // beyond the volume: nearest light, or fade to `environment`
+enum class Interpolation : std::uint8_t { trilinear, nearest };  // of a cell's corners: all, or the one that says most
 
 struct SampleOptions {
     float normal_bias = 0;  // metres that the position is moved along the normal before the look-up
     Outside outside = Outside::clamp;
     float fade_distance = 1;                   // metres from the volume at which `fade` has reached the environment
     std::span<const glm::vec3> environment{};  // bands^2 coefficients; empty: black
+    Interpolation interpolation = Interpolation::trilinear;
 };
 
 /// Interpolated coefficients. weight: the share of trilinear weight that valid corners carried, before renormalisation
@@ -36,6 +38,9 @@ struct Sample {
 /// the valid ones, so that at a valid probe's lattice point it is the probe's own, to the bit. Where grids overlap, the
 /// finest spacing that knows an answer gives it. A cell is a grid's own if all corners that carry weight are stored.
 /// Outside of all grids, the point of the nearest grid that is nearest answers.
+///
+/// `Interpolation::nearest` takes that corner alone which would have weighed most of those that answer: the cheapest
+/// look-up, and the light then jumps half-way between probes.
 class Sampler {
   public:
     /// Throws Error for a probe list, which has no cells.
@@ -68,6 +73,7 @@ class Sampler {
 
   private:
     [[nodiscard]] Corners cell_corners(std::size_t grid, glm::ivec3 lower, glm::dvec3 share) const noexcept;
+    [[nodiscard]] Corners nearest_corner(std::size_t grid, glm::ivec3 lower, glm::dvec3 share) const noexcept;
     void interpolate(const Corners& from, const SampleOptions& options, std::span<glm::vec3> sh) const noexcept;
 
     const Volume& volume_;

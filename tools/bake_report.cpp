@@ -1,6 +1,13 @@
 #include "tools/bake_report.h"
 
+#include "core/parallel.h"
+#include "core/sh.h"
+
 #include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace lightgrid {
 namespace {
@@ -9,6 +16,14 @@ using nlohmann::json;
 
 json to_json(const ErrorPart& part) {
     return {{"relrmse", part.relrmse}, {"interval", {part.interval.low, part.interval.high}}};
+}
+
+json to_json(glm::dvec3 v) {
+    return {v.x, v.y, v.z};
+}
+
+double square(const ErrorPart& part) {
+    return part.relrmse * std::abs(part.relrmse);
 }
 
 std::string percent(double share) {
@@ -26,8 +41,11 @@ json error_json(const BakeResult& result) {
         error["relrmse"] = nullptr;
         error["interval"] = nullptr;
         error["not_measured"] = result.no_error_because;
-        error["parts"] = {
-            {"noise", to_json(result.noise)}, {"bands", nullptr}, {"interpolation", nullptr}, {"storage", nullptr}};
+        error["parts"] = {{"noise", to_json(result.noise)},
+                          {"bands", nullptr},
+                          {"interpolation", nullptr},
+                          {"bias", nullptr},
+                          {"storage", nullptr}};
         return error;
     }
     const ErrorReport& measured = *result.error;
@@ -36,7 +54,15 @@ json error_json(const BakeResult& result) {
     error["parts"] = {{"noise", to_json(measured.noise)},
                       {"bands", to_json(measured.bands)},
                       {"interpolation", to_json(measured.interpolation)},
+                      {"bias", measured.bias ? to_json(*measured.bias) : json(nullptr)},
                       {"storage", to_json(measured.storage)}};
+    error["squares"] = {{"noise", square(measured.noise)},
+                        {"bands", square(measured.bands)},
+                        {"interpolation", square(measured.interpolation)},
+                        {"storage", square(measured.storage)},
+                        {"bias", measured.bias ? square(*measured.bias) : 0},
+                        {"cross", square(measured.cross)},
+                        {"total", square(measured.total)}};
     error["points"] = measured.points;
     error["normals"] = measured.normals;
     error["p50"] = measured.p50;
@@ -44,10 +70,91 @@ json error_json(const BakeResult& result) {
     error["p99"] = measured.p99;
     error["worst"] = json::array();
     for (const ErrorReport::Worst& worst : measured.worst) {
-        error["worst"].push_back({{"position", {worst.position.x, worst.position.y, worst.position.z}},
-                                  {"relative_error", worst.relative_error}});
+        error["worst"].push_back({{"position", to_json(worst.position)}, {"relative_error", worst.relative_error}});
     }
     return error;
+}
+
+/// What half of the error would cost by more samples alone: their share of the error falls as one over their number, the
+/// rest stays.
+json halving_json(const BakeResult& result, double gather_seconds) {
+    if (!result.error || !(result.error->total.relrmse > 0)) return nullptr;
+    const double total = square(result.error->total);
+    const double rest = std::max(total - std::max(square(result.error->noise), 0.0), 0.0);
+    json halving{{"relrmse", 0.5 * std::sqrt(total)},
+                 {"floor", std::sqrt(rest)},
+                 {"samples_factor", nullptr},
+                 {"seconds", nullptr}};
+    if (0.25 * total > rest) {
+        const double factor = (total - rest) / (0.25 * total - rest);
+        halving["samples_factor"] = factor;
+        halving["seconds"] = factor * gather_seconds;
+    }
+    return halving;
+}
+
+/// For each part one step against it: what it takes, and which error that would leave.
+json remedies_json(const BakePlan& plan, const BakeResult& result, double gather_seconds) {
+    json remedies = json::array();
+    if (!result.error) return remedies;
+    const ErrorReport& error = *result.error;
+    const auto without = [&](double squares) { return std::sqrt(std::max(square(error.total) - squares, 0.0)); };
+    double spacing = std::numeric_limits<double>::infinity();
+    for (const Grid& grid : result.volume.grids) {
+        spacing = std::min({spacing, grid.spacing.x, grid.spacing.y, grid.spacing.z});
+    }
+    const int bands = result.volume.bands;
+    remedies.push_back({{"part", "noise"},
+                        {"change", "four times the samples"},
+                        {"option", fmt::format("--samples {}", 4ULL * plan.samples)},
+                        {"relrmse", without(0.75 * square(error.noise))},
+                        {"assumes", "nothing: the noise halves"},
+                        {"seconds", 4 * gather_seconds},
+                        {"size_factor", 1}});
+    if (bands < max_sh_bands) {
+        remedies.push_back({{"part", "bands"},
+                            {"change", "one band more"},
+                            {"option", fmt::format("--bands {}", bands + 1)},
+                            {"relrmse", without(square(error.bands) + square(error.cross))},
+                            {"assumes", "that all that is missing is in that band"},
+                            {"seconds", gather_seconds},
+                            {"size_factor", std::pow((bands + 1.0) / bands, 2)}});
+    }
+    remedies.push_back({{"part", "interpolation"},
+                        {"change", "half the spacing"},
+                        {"option", fmt::format("--spacing {:.3g}", 0.5 * spacing)},
+                        {"relrmse", without(0.75 * square(error.interpolation))},
+                        {"assumes", "that it falls as the spacing does: faster where light is smooth, slower at leaks"},
+                        {"seconds", 8 * gather_seconds},
+                        {"size_factor", 8}});
+    return remedies;
+}
+
+json look_ups_json(const BakeResult& result) {
+    json look_ups = json::array();
+    for (const LookUpCost& look_up : result.look_ups) {
+        const bool trilinear = look_up.interpolation == Interpolation::trilinear;
+        json entry = to_json(look_up.error);
+        entry["interpolation"] = trilinear ? "trilinear" : "nearest";
+        entry["bands"] = look_up.bands;
+        entry["storage"] = look_up.half ? "half" : "float";
+        entry["nanoseconds"] = look_up.nanoseconds;
+        entry["bytes_per_probe"] = look_up.bytes;
+        entry["this_bake"] = trilinear && look_up.bands == result.volume.bands && look_up.half == result.volume.half;
+        look_ups.push_back(std::move(entry));
+    }
+    return look_ups;
+}
+
+json machine_json(const Machine& machine) {
+    return {{"processor", machine.processor},
+            {"logical_processors", machine.logical_processors},
+            {"memory_bytes", machine.memory_bytes},
+            {"system", machine.system},
+            {"built_with", machine.built_with},
+            {"libraries", machine.libraries},
+            {"threads", thread_count()},
+            {"peak_memory_bytes", peak_memory_bytes()}};
 }
 
 void print_left_out(const Messages& messages, const LeftOut& item) {
@@ -86,6 +193,11 @@ void print_result(const Messages& messages, const BakePlan& plan, const BakeResu
                           : fmt::format("{:<10} {:8.3f} s  {:8.2f} million rays  {:6.2f} Mrays/s", stage.name,
                                         stage.seconds, static_cast<double>(stage.rays) * 1e-6, rate));
     }
+    if (result.cache) {
+        messages.line(fmt::format("cache      {} patches of {} samples, {:.3g} m wide, solved in {} sweeps to {:.1e}",
+                                  result.cache->patches, result.cache->samples, plan.cache.width, result.cache->sweeps,
+                                  result.cache->residual));
+    }
     if (result.counts.dropped > 0) {
         messages.warning(fmt::format("{} samples were not finite and count as black", result.counts.dropped));
     }
@@ -100,7 +212,15 @@ void print_result(const Messages& messages, const BakePlan& plan, const BakeResu
         messages.line(fmt::format("           noise {}", with_interval(error.noise)));
         messages.line(fmt::format("           bands {}", with_interval(error.bands)));
         messages.line(fmt::format("           interpolation {}", with_interval(error.interpolation)));
+        if (error.bias) messages.line(fmt::format("           bias {}", with_interval(*error.bias)));
         messages.line(fmt::format("           storage {}", percent(error.storage.relrmse)));
+        const auto squared = [](const ErrorPart& part) { return 1e4 * square(part); };
+        messages.line(fmt::format(
+            "           in squares: {:.3g} noise + {:.3g} bands + {:.3g} interpolation + {:.3g} bias + {:.3g} storage "
+            "{} {:.3g} cross = {:.3g} %^2",
+            squared(error.noise), squared(error.bands), squared(error.interpolation),
+            squared(error.bias.value_or(ErrorPart{})), squared(error.storage),
+            error.cross.relrmse < 0 ? "-" : "+", std::abs(squared(error.cross)), squared(error.total)));
         messages.line(fmt::format("           half of all values are within {}, 95 % within {}, 99 % within {}",
                                   percent(error.p50), percent(error.p95), percent(error.p99)));
     } else {
@@ -112,23 +232,45 @@ void print_result(const Messages& messages, const BakePlan& plan, const BakeResu
                               bytes_text(static_cast<double>(std::filesystem::file_size(output)))));
 }
 
-json bake_report(const BakePlan& plan, const BakeResult& result, const BakeOptions& options,
-                 const std::filesystem::path& output) {
+json bake_report(const Tracer& tracer, const BakePlan& plan, const BakeResult& result, const BakeOptions& options,
+                 const BakeCall& call) {
+    const Scene& scene = tracer.scene();
     json report;
+    report["version"] = LIGHTGRID_VERSION;
+    report["command"] = call.command;
+    report["date"] = call.date;
+    report["machine"] = machine_json(call.machine);
+    report["scene"] = {{"triangles", tracer.triangle_count()},
+                       {"meshes", scene.meshes.size()},
+                       {"materials", scene.materials.size()},
+                       {"punctual_lights", scene.lights.size()},
+                       {"size", to_json(scene.bounds.size())}};
     report["level"] = result.volume.settings.at("level");
     report["environment"] = result.volume.settings.at("environment");
-    report["output"] = output.filename().string();
-    report["bytes"] = std::filesystem::file_size(output);
+    report["output"] = call.output.filename().string();
+    report["bytes"] = std::filesystem::file_size(call.output);
+    report["storage"] = result.volume.half ? "half" : "float";
     report["bands"] = options.bands;
     report["seed"] = options.seed;
     report["samples"] = plan.samples;
-    report["method"] = "path";
+    report["method"] = name_of(plan.method);
+    if (result.cache) {
+        report["cache"] = {{"patches", result.cache->patches},
+                           {"samples", result.cache->samples},
+                           {"cut_cubes", result.cache->cut_cubes},
+                           {"generations", result.cache->generations},
+                           {"sweeps", result.cache->sweeps},
+                           {"residual", result.cache->residual},
+                           {"width", plan.cache.width}};
+    }
+    report["replicates"] = GatherOptions{}.replicates;
+    report["why_samples"] = plan.why_samples;
     report["spacing"] = plan.why_spacing;
     report["estimate"] = {{"seconds", plan.seconds_estimate}, {"bytes", plan.bytes_estimate}};
     report["grids"] = json::array();
     for (const Grid& grid : result.volume.grids) {
-        report["grids"].push_back({{"origin", {grid.origin.x, grid.origin.y, grid.origin.z}},
-                                   {"spacing", {grid.spacing.x, grid.spacing.y, grid.spacing.z}},
+        report["grids"].push_back({{"origin", to_json(grid.origin)},
+                                   {"spacing", to_json(grid.spacing)},
                                    {"counts", {grid.counts.x, grid.counts.y, grid.counts.z}}});
     }
     report["probes"] = {{"gathered", plan.points.size()},
@@ -146,6 +288,10 @@ json bake_report(const BakePlan& plan, const BakeResult& result, const BakeOptio
                                    {"relrmse", point.relrmse},
                                    {"interval", {point.interval.low, point.interval.high}}});
     }
+    const double gather_seconds = result.curve.empty() ? 0 : result.curve.back().seconds;
+    report["halving"] = halving_json(result, gather_seconds);
+    report["remedies"] = remedies_json(plan, result, gather_seconds);
+    report["look_ups"] = look_ups_json(result);
     report["left_out"] = json::array();
     for (const LeftOut& item : result.left_out) {
         report["left_out"].push_back({{"what", item.what}, {"evidence", item.evidence}, {"saved", item.saved}});

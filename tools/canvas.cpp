@@ -80,7 +80,7 @@ int Canvas::text(glm::ivec2 corner, const std::string& text, glm::vec3 color, fl
     return static_cast<int>(lettering.width);
 }
 
-void Canvas::write_png(const std::filesystem::path& path) const {
+std::string Canvas::png() const {
     std::vector<std::uint8_t> bytes;
     bytes.reserve(3 * pixels.size());
     for (const glm::vec3& pixel : pixels) {
@@ -92,9 +92,13 @@ void Canvas::write_png(const std::filesystem::path& path) const {
         static_cast<std::string*>(to)->append(static_cast<const char*>(data), static_cast<std::size_t>(size));
     };
     if (stbi_write_png_to_func(append, &png, width, height, 3, bytes.data(), width * 3) == 0) {
-        throw Error("does not fit into memory as PNG", path.string(), "Draw a smaller picture", Fault::work);
+        throw Error("a picture does not fit into memory as PNG", {}, "Draw a smaller one", Fault::work);
     }
-    write_whole_file(path, png);
+    return png;
+}
+
+void Canvas::write_png(const std::filesystem::path& path) const {
+    write_whole_file(path, png());
 }
 
 }  // namespace lightgrid

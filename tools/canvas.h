@@ -29,6 +29,8 @@ struct Canvas {
     /// A line of text; `corner` is the upper left of its capitals. Returns its width.
     int text(glm::ivec2 corner, const std::string& text, glm::vec3 color, float cap_height = 11);
 
+    /// The bytes of a PNG file.
+    [[nodiscard]] std::string png() const;
     /// Throws Error (Fault::work) where the file cannot be written.
     void write_png(const std::filesystem::path& path) const;
 };

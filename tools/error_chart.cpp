@@ -1,6 +1,8 @@
 #include "tools/error_chart.h"
 
 #include "core/error.h"
+#include "tools/markup.h"
+#include "tools/plot.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -13,76 +15,70 @@
 namespace lightgrid {
 namespace {
 
-constexpr double width = 960;
-constexpr double height = 540;
-constexpr double left = 84;  // of the curve's frame
-constexpr double top = 84;
-constexpr double right = 600;
-constexpr double bottom = 466;
+using nlohmann::json;
+
+constexpr double left = 50;  // of the curve's frame
+constexpr double right = plot_width - 6;
+constexpr double top = 24;
+constexpr double bottom = error_curve_height - 42;
+/// Room below the floor for its name and that of the slope.
+constexpr double below_floor = 40;
+/// Farther than this many times the time that was spent, a forecast is not worth drawing.
+constexpr double farthest_forecast = 64;
 
 struct CurvePoint {
     double seconds, error, low, high;
 };
 
-/// A logarithmic axis from `first` to `last`, drawn from `start` to `end`.
-struct Axis {
-    double first, last, start, end;
-
-    [[nodiscard]] double place(double value) const {
-        return start + (end - start) * std::log(std::clamp(value, first, last) / first) / std::log(last / first);
+std::vector<CurvePoint> curve_points(const json& report) {
+    std::vector<CurvePoint> points;
+    for (const json& point : report.at("curve")) {
+        const CurvePoint next{point.at("seconds"), point.at("relrmse"), point.at("interval").at(0),
+                              point.at("interval").at(1)};
+        if (next.seconds > 0 && next.error > 0) points.push_back(next);  // others have no logarithm
     }
-    /// Round numbers within the axis: 1, 2 and 5 times powers of ten, more where these are few.
-    [[nodiscard]] std::vector<double> marks() const {
-        const auto within = [&](std::initializer_list<double> steps) {
-            std::vector<double> all;
-            for (double decade = std::pow(10, std::floor(std::log10(first))); decade <= last; decade *= 10) {
-                for (const double step : steps) {
-                    if (step * decade >= first && step * decade <= last) all.push_back(step * decade);
-                }
-            }
-            return all;
-        };
-        const std::vector<double> few = within({1, 2, 5});
-        return few.size() >= 4 ? few : within({1, 1.5, 2, 3, 4, 5, 6, 8});
+    return points;
+}
+
+/// What more samples do: total^2 = floor^2 + noise^2 * seconds spent / seconds.
+struct Forecast {
+    double floor = 0;
+    double noise = 0;
+    double spent = 0;  // seconds
+    double until = 0;  // where half of the error is reached, or four times what was spent
+
+    [[nodiscard]] double error(double seconds) const {
+        return std::sqrt(floor * floor + noise * noise * spent / seconds);
     }
 };
 
-std::string text(double x, double y, const std::string& what, const std::string& more = {}) {
-    return fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" {}>{}</text>\n", x, y, more, what);
-}
-
-std::string line(double x0, double y0, double x1, double y1, const std::string& style) {
-    return fmt::format("<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" {}/>\n", x0, y0, x1, y1, style);
-}
-
-std::string percent(double share) {
-    return fmt::format("{:.3g} %", 100 * share);
-}
-
-std::string frame(const Axis& x, const Axis& y) {
-    std::string svg;
-    for (const double value : x.marks()) {
-        svg += line(x.place(value), top, x.place(value), bottom, "class=\"grid\"");
-        svg += text(x.place(value), bottom + 20, fmt::format("{}", value), "text-anchor=\"middle\"");
+Forecast forecast_of(const json& report, double spent) {
+    Forecast forecast;
+    const json& halving = report.value("halving", json());
+    if (!halving.is_object()) return forecast;
+    const double total = report["error"]["relrmse"];
+    forecast.floor = halving["floor"];
+    forecast.noise = std::sqrt(std::max(total * total - forecast.floor * forecast.floor, 0.0));
+    forecast.spent = spent;
+    forecast.until = 4 * spent;
+    if (halving["seconds"].is_number()) {
+        forecast.until =
+            std::max(forecast.until, std::min(halving["seconds"].get<double>(), farthest_forecast * spent));
     }
-    for (const double value : y.marks()) {
-        svg += line(left, y.place(value), right, y.place(value), "class=\"grid\"");
-        svg += text(left - 10, y.place(value) + 4, percent(value), "text-anchor=\"end\"");
-    }
-    svg += text(0.5 * (left + right), bottom + 48, "seconds of gathering", "text-anchor=\"middle\" class=\"axis\"");
-    svg += text(left, top - 16, "relative RMSE of irradiance at held-out points", "class=\"axis\"");
-    return svg;
+    return forecast;
 }
 
-std::string curve(const std::vector<CurvePoint>& points, const Axis& x, const Axis& y) {
+std::string measured_curve(const std::vector<CurvePoint>& points, const Axis& x, const Axis& y) {
     std::string band;  // along the upper edge, and back along the lower
     std::string middle;
     std::string dots;
     for (const CurvePoint& point : points) {
         band += fmt::format("{:.1f},{:.1f} ", x.place(point.seconds), y.place(point.high));
         middle += fmt::format("{:.1f},{:.1f} ", x.place(point.seconds), y.place(point.error));
-        dots += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3.5\" class=\"dot\"/>\n", x.place(point.seconds),
-                            y.place(point.error));
+        dots += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3.5\" class=\"mark first\">{}</circle>\n",
+                            x.place(point.seconds), y.place(point.error),
+                            svg_title(fmt::format("{} ({} to {}) after {:.3g} s", percent_text(point.error),
+                                                  percent_text(point.low), percent_text(point.high), point.seconds)));
     }
     for (auto point = points.rbegin(); point != points.rend(); ++point) {
         band += fmt::format("{:.1f},{:.1f} ", x.place(point->seconds), y.place(point->low));
@@ -91,96 +87,104 @@ std::string curve(const std::vector<CurvePoint>& points, const Axis& x, const Ax
                        middle, dots);
 }
 
-/// Error ~ seconds^-1/2 through the first point: what pure noise would do.
-std::string noise_slope(const std::vector<CurvePoint>& points, const Axis& x, const Axis& y) {
-    const CurvePoint& first = points.front();
-    const double end = std::min(points.back().seconds, first.seconds * std::pow(first.error / y.first, 2));
-    const double error = first.error * std::sqrt(first.seconds / end);
-    const double at_x = x.place(end);
-    const double at_y = y.place(error);
-    // Beside the line's lower end, where the curve is not: to its right if there is room.
-    const bool to_the_right = at_x < right - 180;
-    return line(x.place(first.seconds), y.place(first.error), at_x, at_y, "class=\"slope\"") +
-           text(to_the_right ? at_x + 8 : at_x - 24, at_y - 8, "noise alone, slope -1/2",
-                to_the_right ? "class=\"note\"" : "text-anchor=\"end\" class=\"note\"");
+std::string forecast_curve(const Forecast& forecast, const Axis& x, const Axis& y) {
+    constexpr int steps = 32;
+    std::string points;
+    for (int i = 0; i <= steps; ++i) {
+        const double seconds =
+            forecast.spent * std::pow(forecast.until / forecast.spent, static_cast<double>(i) / steps);
+        points += fmt::format("{:.1f},{:.1f} ", x.place(seconds), y.place(forecast.error(seconds)));
+    }
+    return fmt::format("<polyline points=\"{}\" class=\"predicted\"/>\n", points);
 }
 
-/// A bar a part, with its interval; the parts add as squares.
-std::string parts_chart(const nlohmann::json& error) {
-    constexpr double from = 690;
-    constexpr double to = 900;
-    constexpr std::array<std::pair<const char*, const char*>, 4> names{{{"noise", "more samples lower it"},
-                                                                        {"bands", "more bands lower it"},
-                                                                        {"interpolation", "closer probes lower it"},
-                                                                        {"storage", "half precision"}}};
-    double largest = error["interval"][1].get<double>();
-    for (const auto& [name, remedy] : names) {
-        if (error["parts"][name].is_object())
-            largest = std::max(largest, error["parts"][name]["interval"][1].get<double>());
-    }
-    const auto place = [&](double value) { return from + (to - from) * std::max(value, 0.0) / largest; };
-    std::string svg = text(from, top - 16, "what the final error is made of", "class=\"axis\"");
-    double y = top + 8;
-    const auto bar = [&](const std::string& name, const nlohmann::json& part, const std::string& remedy,
-                         const char* style) {
-        const double value = part["relrmse"];
-        const double low = part["interval"][0];
-        const double high = part["interval"][1];
-        svg += text(from, y, fmt::format("{} <tspan class=\"value\">{}</tspan>", name, percent(value)));
-        svg += fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"16\" {}/>\n", from, y + 8,
-                           std::max(place(value) - from, 1.0), style);
-        svg += line(place(low), y + 16, place(high), y + 16, "class=\"whisker\"");
-        svg += text(from, y + 41, remedy, "class=\"note\"");
-        y += 74;
-    };
-    bar("total", error, "with 95 % interval; parts add as squares", "class=\"total\"");
-    for (const auto& [name, remedy] : names) {
-        if (error["parts"][name].is_object()) bar(name, error["parts"][name], remedy, "class=\"part\"");
-    }
-    return svg;
+/// Error ~ seconds^-1/2 through the first point: what pure noise would do.
+std::string noise_slope(const CurvePoint& first, const Axis& x, const Axis& y) {
+    const double end = std::min(x.last, first.seconds * std::pow(first.error / y.first, 2));
+    const double at_x = x.place(end);
+    const double at_y = y.place(first.error * std::sqrt(first.seconds / end));
+    // Beside the line's lower end, where the curve is not: to its right if there is room.
+    const bool to_the_right = at_x < right - 140;
+    return svg_line(x.place(first.seconds), y.place(first.error), at_x, at_y, "class=\"slope\"") +
+           svg_text(to_the_right ? at_x + 4 : at_x - 22, at_y - 6, "noise alone: slope -1/2",
+                    to_the_right ? "class=\"note\"" : "text-anchor=\"end\" class=\"note\"");
+}
+
+std::string floor_line(double floor, const Axis& x, const Axis& y) {
+    return svg_line(x.start, y.place(floor), x.end, y.place(floor), "class=\"floor\"") +
+           svg_text(x.end, y.place(floor) + 14, "more samples cannot go below " + percent_text(floor),
+                    "text-anchor=\"end\" class=\"note floor-note\"");
 }
 
 }  // namespace
 
-std::string error_chart(const nlohmann::json& report, const std::string& where) {
-    std::vector<CurvePoint> points;
-    double low = std::numeric_limits<double>::infinity();
-    double high = 0;
+std::string error_curve(const json& report) {
+    const std::vector<CurvePoint> points = curve_points(report);
+    if (points.empty()) return {};
+    const Forecast forecast = forecast_of(report, points.back().seconds);
+    std::vector<double> seconds{2 * points.front().seconds, forecast.until};
+    std::vector<double> errors;
+    for (const CurvePoint& point : points) {
+        seconds.push_back(point.seconds);
+        errors.insert(errors.end(), {point.error, point.low, point.high});
+    }
+    if (forecast.noise > 0) errors.push_back(forecast.error(forecast.until));
+    const Axis x = axis_around(seconds, left, right);
+    Axis y = axis_around(errors, bottom, top);
+    if (forecast.floor > 0) {
+        // So low that the floor is at least below_floor above the lower end.
+        const double share = below_floor / (bottom - top);
+        y.first = std::min(y.first, std::exp((std::log(forecast.floor) - share * std::log(y.last)) / (1 - share)));
+    }
+    std::string svg = plot_frame(x, y, "seconds of gathering", "relative RMSE of irradiance", true);
+    if (forecast.floor > 0) svg += floor_line(forecast.floor, x, y);
+    svg += noise_slope(points.front(), x, y);
+    if (forecast.noise > 0) svg += forecast_curve(forecast, x, y);
+    return svg + measured_curve(points, x, y);
+}
+
+std::string error_parts(const json& report) {
+    const json& error = report.at("error");
+    const auto bar = [](const std::string& name, const json& part) {
+        return Bar{name, percent_text(part["relrmse"]), "", part["relrmse"], part["interval"][0], part["interval"][1]};
+    };
+    std::vector<Bar> rows;
+    for (const auto& [name, part] : error.at("parts").items()) {
+        if (part.is_object()) rows.push_back(bar(name, part));
+    }
+    std::stable_sort(rows.begin(), rows.end(), [](const Bar& a, const Bar& b) { return a.value > b.value; });
+    if (error.at("relrmse").is_number()) {
+        rows.insert(rows.begin(), bar("total", error));
+        rows.front().emphasis = true;
+    }
+    return svg_plot(bars_height(rows), "Parts of the error", bars(rows, 0));
+}
+
+std::string error_chart(const json& report, const std::string& where) {
+    std::string curve;
+    std::string parts;
     try {
         if (!report.at("error").at("relrmse").is_number()) {
             throw Error("holds no measured error", where, "Bake a volume with cells and --report-json");
         }
-        for (const nlohmann::json& point : report.at("curve")) {
-            const CurvePoint next{point.at("seconds"), point.at("relrmse"), point.at("interval").at(0),
-                                  point.at("interval").at(1)};
-            if (!(next.seconds > 0) || !(next.error > 0)) continue;  // neither has a logarithm
-            points.push_back(next);
-            high = std::max({high, next.error, next.high});
-            low = std::min({low, next.error, next.low > 0 ? next.low : next.error});
-        }
-    } catch (const nlohmann::json::exception& problem) {
+        curve = error_curve(report);
+        parts = error_parts(report);
+    } catch (const json::exception& problem) {
         throw Error(std::string("is no report of level-bake: ") + problem.what(), where,
                     "Give the file that --report-json wrote");
     }
-    if (points.empty()) throw Error("its curve is empty", where, "Bake with more --samples");
+    if (curve.empty()) throw Error("its curve is empty", where, "Bake with more --samples");
 
-    const Axis x{0.8 * points.front().seconds, std::max(1.25 * points.back().seconds, 2 * points.front().seconds), left,
-                 right};
-    const Axis y{0.8 * low, 1.25 * high, bottom, top};
-    std::string svg = fmt::format(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\" "
-        "font-family=\"system-ui, Helvetica, Arial, sans-serif\" font-size=\"13\" fill=\"#22252a\">\n"
-        "<style>.grid{{stroke:#d9d6cf}} .axis{{font-weight:600}} .note{{fill:#7b7f86;font-size:12px}} "
-        ".value{{font-weight:600}}\n"
-        ".band{{fill:#1f6fb2;opacity:.18}} .curve{{fill:none;stroke:#1f6fb2;stroke-width:2.5}} .dot{{fill:#1f6fb2}}\n"
-        ".slope{{stroke:#7b7f86;stroke-dasharray:6 5}} .part{{fill:#6dbe45}} .total{{fill:#1f6fb2}} "
-        ".whisker{{stroke:#22252a;stroke-width:2}}</style>\n"
-        "<rect width=\"{0}\" height=\"{1}\" fill=\"#f4f2ee\"/>\n",
-        width, height);
-    svg += text(left, 36, fmt::format("Error against time: {}", report.value("level", "")),
-                "font-size=\"19\" font-weight=\"600\"");
-    svg += frame(x, y) + curve(points, x, y) + noise_slope(points, x, y) + parts_chart(report["error"]);
-    return svg + "</svg>\n";
+    const PlotColors colors{"#22252a", "#6b7078", "#d9d6cf", "#f4f2ee", "#1f6fb2", "#b8621b"};
+    return fmt::format(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 960 420\" width=\"960\" height=\"420\" "
+        "font-family=\"system-ui, Helvetica, Arial, sans-serif\">\n<style>{}</style>\n"
+        "<rect width=\"960\" height=\"420\" fill=\"{}\"/>\n"
+        "<text x=\"28\" y=\"40\" font-size=\"19\" font-weight=\"600\" fill=\"{}\">Error against time: {}</text>\n"
+        "<svg x=\"28\" y=\"64\" width=\"440\" height=\"330\" viewBox=\"0 0 400 300\" class=\"plot\">\n{}</svg>\n"
+        "<text x=\"560\" y=\"90\" font-size=\"13\" font-weight=\"600\" fill=\"{}\">What it is made of (parts add as "
+        "squares)</text>\n<g transform=\"translate(530 104) scale(0.9)\">{}</g>\n</svg>\n",
+        plot_style(colors), colors.paper, colors.ink, escape(report.value("level", "")), curve, colors.ink, parts);
 }
 
 }  // namespace lightgrid

@@ -33,19 +33,22 @@ int mark_below(double value) {
     return number;
 }
 
-float LogScale::place(double value) const {
-    const double low = std::log(mark(first));
-    return static_cast<float>((std::log(std::max(value, 1e-30)) - low) / (std::log(mark(last)) - low));
+double LogScale::place(double value) const {
+    return std::log(std::max(value, 1e-30) / marks.front()) / std::log(marks.back() / marks.front());
 }
 
 LogScale scale_of(std::vector<float> values) {
     std::erase_if(values, [](float value) { return !(value > 0); });
+    int first = 0;
+    int last = 1;
+    if (!values.empty()) {
+        std::sort(values.begin(), values.end());
+        const std::size_t cut = values.size() / 200;
+        first = mark_below(values[cut]);
+        last = std::max(mark_below(values[values.size() - 1 - cut]) + 1, first + 1);
+    }
     LogScale scale;
-    if (values.empty()) return scale;
-    std::sort(values.begin(), values.end());
-    const std::size_t cut = values.size() / 200;
-    scale.first = mark_below(values[cut]);
-    scale.last = std::max(mark_below(values[values.size() - 1 - cut]) + 1, scale.first + 1);
+    for (int number = first; number <= last; ++number) scale.marks.push_back(mark(number));
     return scale;
 }
 
@@ -54,17 +57,15 @@ void draw_legend(Canvas& canvas, glm::ivec2 corner, int height, const LogScale& 
     constexpr int bar = 26;
     constexpr int line_height = 24;
     constexpr double room_for_text = 14;
-    const bool crowded = height < room_for_text * (scale.last - scale.first);
+    const std::size_t every = height < room_for_text * static_cast<double>(scale.marks.size() - 1) ? 3 : 1;
     for (int y = 0; y < height; ++y) {
         canvas.fill(corner + glm::ivec2(0, y), {bar, 1},
                     false_color(1 - static_cast<float>(y) / static_cast<float>(height - 1)));
     }
-    for (int number = scale.first; number <= scale.last; ++number) {
-        const int y =
-            corner.y + static_cast<int>(std::lround((1 - scale.place(mark(number))) * static_cast<float>(height - 1)));
+    for (std::size_t i = 0; i < scale.marks.size(); ++i) {
+        const int y = corner.y + static_cast<int>(std::lround((1 - scale.place(scale.marks[i])) * (height - 1)));
         canvas.fill({corner.x + bar, y}, {7, 1}, ink);
-        if (crowded && number % 3 != 0) continue;  // powers of ten only
-        canvas.text({corner.x + bar + 12, y - 5}, fmt::format("{}", mark(number)), ink);
+        if (i % every == 0) canvas.text({corner.x + bar + 12, y - 5}, fmt::format("{}", scale.marks[i]), ink);
     }
     canvas.text({corner.x, corner.y - line_height}, unit, ink);
 }

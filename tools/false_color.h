@@ -24,15 +24,15 @@ namespace lightgrid {
 /// The last mark that is not above `value`, which is positive.
 [[nodiscard]] int mark_below(double value);
 
-/// A logarithmic scale from one mark to another.
+/// A logarithmic scale between two round numbers.
 struct LogScale {
-    int first = 0;  // marks
-    int last = 1;
+    std::vector<double> marks;  // ascending: 1, 2 and 5 times powers of ten; the ends of the scale and all between
 
-    [[nodiscard]] float place(double value) const;
+    [[nodiscard]] double place(double value) const;  // 0 at the first mark, 1 at the last; below and above for the rest
 };
 
-/// From mark to mark around all but the darkest and the brightest 0.5 % of the values that are positive.
+/// From mark to mark around all but the least and the largest 0.5 % of the values that are positive; from 1 to 2 where
+/// none is.
 [[nodiscard]] LogScale scale_of(std::vector<float> values);
 
 /// The colour bar with its marks, its upper left corner at `corner`, and the unit above it.

@@ -13,10 +13,14 @@
 #include "tools/light_options.h"
 #include "tools/program.h"
 #include "tools/progress.h"
+#include "tools/report_page.h"
 
 #include <CLI/CLI.hpp>
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <ctime>
 #include <filesystem>
 #include <limits>
 #include <optional>
@@ -43,12 +47,15 @@ struct Call {
     std::uint64_t seed = 0;
     int threads = 0;
     std::string layers = "combined";
+    std::string report;
     std::string report_json;
     bool json = false;
     bool quiet = false;
-    std::string max_error, time_budget, report;  // not in this version: refused by name
+    std::string command;                 // as it was typed, for the report
+    std::string max_error, time_budget;  // not in this version: refused by name
 };
 
+constexpr double slice_pixels = 480;       // along the longest side of the volume
 constexpr double most_samples = 1U << 28;  // their directions take 3 GB per thread and 16 replicates
 
 Box parse_box(const std::string& text) {
@@ -64,9 +71,11 @@ CLI::Validator not_yet(const std::string& instead) {
     return checked([instead](const std::string&) { throw Error("is not in this version: use " + instead); });
 }
 
-void parse_method(const std::string& name) {
-    if (name == "cache") throw Error("cache is not in this version: use path");
-    if (name != "path") throw Error(fmt::format("{} is not known: there is path", name));
+Method parse_method(const std::string& name) {
+    for (const Method method : {Method::path, Method::cache}) {
+        if (name == name_of(method)) return method;
+    }
+    throw Error(fmt::format("{} is not known: there are path and cache", name));
 }
 
 void parse_layers(const std::string& names) {
@@ -118,7 +127,8 @@ void add_options(CLI::App& app, Call& call) {
         ->check(number(1, max_sh_bands, true))
         ->capture_default_str()
         ->group(how);
-    app.add_option("--method", call.method, "path: the unbiased path tracer")
+    app.add_option("--method", call.method,
+                   "path: the unbiased path tracer; cache: light of surfaces solved once for all probes, fast")
         ->type_name("NAME")
         ->check(checked(parse_method))
         ->capture_default_str()
@@ -146,13 +156,13 @@ void add_options(CLI::App& app, Call& call) {
         ->group(how);
 
     const char* out = "Output";
-    app.add_option("--report-json", call.report_json,
-                   "Writes error, curve, what was left out and stages; measures the error")
+    app.add_option("--report", call.report,
+                   "Writes a page (HTML, nothing else needed): error, time, slices and what was left out; measures the "
+                   "error")
         ->type_name("FILE")
         ->group(out);
-    app.add_option("--report", call.report, "Not in this version")
+    app.add_option("--report-json", call.report_json, "Writes the same as JSON, without pictures")
         ->type_name("FILE")
-        ->check(not_yet("--report-json"))
         ->group(out);
     app.add_flag("--json", call.json, "The summary on standard output, as JSON")->group(out);
     app.set_version_flag("--version", "level-bake " LIGHTGRID_VERSION);
@@ -199,6 +209,50 @@ void check_output(const fs::path& file, const Call& call) {
     check_writable(file);
 }
 
+/// The same for all outputs, which also must not replace each other.
+void check_outputs(const fs::path& volume, const Call& call) {
+    std::vector<fs::path> files{volume};
+    for (const std::string& report : {call.report, call.report_json}) {
+        if (!report.empty()) files.emplace_back(report);
+    }
+    for (auto file = files.begin(); file != files.end(); ++file) {
+        check_output(*file, call);
+        const auto same = [&](const fs::path& other) {
+            return fs::absolute(other).lexically_normal() == fs::absolute(*file).lexically_normal();
+        };
+        if (std::any_of(files.begin(), file, same)) {
+            throw Error("is named for two outputs", file->string(), "Name another file.");
+        }
+    }
+}
+
+/// A word as a shell takes it.
+std::string quoted(const std::string& word) {
+    const char* plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_@%+=:,./-";
+    if (!word.empty() && word.find_first_not_of(plain) == std::string::npos) return word;
+    std::string safe = "'";
+    for (const char c : word) safe += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return safe + "'";
+}
+
+std::string command_line(int argc, char** argv) {
+    std::string command = "level-bake";
+    for (int i = 1; i < argc; ++i) command += " " + quoted(argv[i]);
+    return command;
+}
+
+/// Slices through the worst point; nothing where there are no cells to look light up in.
+std::optional<SlicePictures> draw_report_slices(const nlohmann::json& report, const Volume& volume,
+                                                const Tracer& tracer, const Environment& environment) {
+    if (!volume.has_cells()) return {};
+    const Sampler sampler(volume);
+    const LitLevel level{&tracer, &sampler, &environment, {}};
+    const glm::dvec3 size = bounds_of(volume).size();
+    const double longest = std::max({size.x, size.y, size.z});
+    if (!(longest > 0)) return {};
+    return picture_slices(level, volume, slice_point(report, volume), slice_pixels / longest);
+}
+
 bool has_light(const PathTracer& paths) {
     return paths.estimators().emitters || paths.estimators().sky || paths.estimators().lights;
 }
@@ -213,8 +267,7 @@ Scene empty_scene() {
 int bake(const Call& call) {
     check(call);
     const fs::path output = output_path(call);
-    check_output(output, call);
-    if (!call.report_json.empty()) check_output(call.report_json, call);
+    check_outputs(output, call);
     const ThreadLimit threads(call.threads);
     Messages messages(call.quiet);
 
@@ -225,8 +278,11 @@ int bake(const Call& call) {
     if (!call.probes.empty()) options.probes = read_probes(call);
     options.bands = call.bands;
     options.samples = call.samples;
+    options.method = parse_method(call.method);
     options.seed = call.seed;
-    options.measure_error = !call.samples || !call.report_json.empty();
+    const bool wants_report = !call.report.empty() || !call.report_json.empty();
+    options.measure_error = !call.samples || wants_report;
+    options.compare_look_ups = wants_report;
 
     Stopwatch watch;
     const ChosenLight light = choose_light(call.light);
@@ -260,8 +316,14 @@ int bake(const Call& call) {
     save_volume(result.volume, output);
     result.stages.push_back({"save", watch.lap(), 0});
 
-    const nlohmann::json report = bake_report(plan, result, options, output);
+    const std::string date = fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)));
+    const nlohmann::json report =
+        bake_report(tracer, plan, result, options, {call.command, date, output, this_machine()});
     if (!call.report_json.empty()) write_whole_file(call.report_json, report.dump(2) + "\n");
+    if (!call.report.empty()) {
+        const auto slices = draw_report_slices(report, result.volume, tracer, light.environment);
+        write_whole_file(call.report, report_page(report, slices));
+    }
     print_result(messages, plan, result, output);
     if (call.json) print(report.dump(2) + "\n");
     return 0;
@@ -276,6 +338,7 @@ int main(int argc, char** argv) {
         Call call;
         CLI::App app{"Bakes the light of a level into a volume of SH probes.", "level-bake"};
         add_options(app, call);
+        call.command = command_line(argc, argv);
         return parse_command_line(app, argc, argv) ? bake(call) : 0;
     });
 }

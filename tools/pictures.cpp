@@ -33,29 +33,6 @@ Canvas developed(const View& view, float exposure) {
 
 // ---- slices ---------------------------------------------------------------------------------------------------------
 
-/// A plane of the level, seen along -axis.
-struct Slice {
-    int axis;         // 1: plan, seen from above, X to the right; 2: X to the right, Y up; 0: -Z to the right, Y up
-    double position;  // of the plane
-    Box box;
-    double scale;  // pixels per metre
-
-    [[nodiscard]] int right() const { return axis == 0 ? 2 : 0; }
-    [[nodiscard]] int up() const { return axis == 1 ? 2 : 1; }
-    [[nodiscard]] glm::ivec2 size() const {
-        return glm::ivec2(glm::round(scale * glm::dvec2(box.size()[right()], box.size()[up()])));
-    }
-    [[nodiscard]] glm::dvec3 point(int x, int y) const {
-        const double u = (x + 0.5) / scale;
-        const double v = (y + 0.5) / scale;
-        glm::dvec3 p(0);
-        p[axis] = position;
-        p[right()] = axis == 0 ? box.max[2] - u : box.min[0] + u;
-        p[up()] = axis == 1 ? box.min[2] + v : box.max[1] - v;
-        return p;
-    }
-};
-
 struct SlicePixel {
     float lux = 0;
     bool solid = false;
@@ -71,7 +48,7 @@ std::vector<SlicePixel> sample_slice(const LitLevel& level, const Slice& slice) 
     for_each_index(static_cast<std::size_t>(size.y), [&](std::size_t y) {
         for (int x = 0; x < size.x; ++x) {
             SlicePixel& pixel = pixels[y * size.x + x];
-            const glm::dvec3 point = slice.point(x, static_cast<int>(y));
+            const glm::dvec3 point = slice.point({x + 0.5, static_cast<double>(y) + 0.5});
             pixel.solid = looks_solid(*level.tracer, point);
             if (pixel.solid) continue;
             pixel.lux = std::max(luminance(mean_irradiance(*level.sampler, point)), 0.0F);
@@ -84,6 +61,16 @@ std::vector<SlicePixel> sample_slice(const LitLevel& level, const Slice& slice) 
     return pixels;
 }
 
+LogScale scale_for(const std::vector<std::vector<SlicePixel>>& slices) {
+    std::vector<float> values;
+    for (const std::vector<SlicePixel>& pixels : slices) {
+        for (const SlicePixel& pixel : pixels) {
+            if (!pixel.solid) values.push_back(pixel.lux);
+        }
+    }
+    return scale_of(std::move(values));
+}
+
 Canvas color_slice(const Slice& slice, const std::vector<SlicePixel>& pixels, const LogScale& scale) {
     const glm::ivec2 size = slice.size();
     Canvas canvas(size.x, size.y, section_fill);
@@ -91,7 +78,7 @@ Canvas color_slice(const Slice& slice, const std::vector<SlicePixel>& pixels, co
         for (int x = 0; x < size.x; ++x) {
             const SlicePixel& pixel = pixels[static_cast<std::size_t>(y) * size.x + x];
             if (pixel.solid) continue;
-            glm::vec3 color = false_color(scale.place(pixel.lux));
+            glm::vec3 color = false_color(static_cast<float>(scale.place(pixel.lux)));
             for (const glm::ivec2 step : {glm::ivec2(1, 0), glm::ivec2(0, 1)}) {
                 if (x + step.x >= size.x || y + step.y >= size.y) continue;
                 const SlicePixel& next = pixels[static_cast<std::size_t>(y + step.y) * size.x + x + step.x];
@@ -181,6 +168,45 @@ void draw_spheres(Canvas& canvas, const View& view, const Camera& camera, const 
 
 }  // namespace
 
+glm::ivec2 Slice::size() const {
+    return glm::ivec2(glm::round(scale * glm::dvec2(box.size()[right()], box.size()[up()])));
+}
+
+glm::dvec3 Slice::point(glm::dvec2 pixel) const {
+    const glm::dvec2 at = pixel / scale;
+    glm::dvec3 p(0);
+    p[axis] = position;
+    p[right()] = axis == 0 ? box.max[2] - at.x : box.min[0] + at.x;
+    p[up()] = axis == 1 ? box.min[2] + at.y : box.max[1] - at.y;
+    return p;
+}
+
+glm::dvec2 Slice::pixel(glm::dvec3 point) const {
+    const double x = axis == 0 ? box.max[2] - point.z : point.x - box.min[0];
+    const double y = axis == 1 ? point.z - box.min[2] : box.max[1] - point.y;
+    return scale * glm::dvec2(x, y);
+}
+
+std::string Slice::title() const {
+    return fmt::format("{} at {} = {:.2f} m", axis == 1 ? "Plan" : "Section", "xyz"[axis], position);
+}
+
+SlicePictures picture_slices(const LitLevel& level, const Volume& volume, glm::dvec3 at, double pixels_per_metre) {
+    SlicePictures result;
+    std::vector<std::vector<SlicePixel>> pixels;
+    for (const int axis : {1, 2, 0}) {
+        const Slice slice{axis, at[axis], bounds_of(volume), pixels_per_metre};
+        if (slice.size().x < 1 || slice.size().y < 1) continue;
+        result.slices.push_back(slice);
+        pixels.push_back(sample_slice(level, slice));
+    }
+    result.lux = scale_for(pixels);
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+        result.pictures.push_back(color_slice(result.slices[i], pixels[i], result.lux));
+    }
+    return result;
+}
+
 Box bounds_of(const Volume& volume) {
     Box box;
     for (const Grid& grid : volume.grids) {
@@ -207,35 +233,22 @@ Canvas draw_slices(const LitLevel& level, const Volume& volume, const PictureOpt
     constexpr int legend = 120;
     const Box box = bounds_of(volume);
     const double scale = (options.width - 2 * margin - legend) / std::max(box.size().x, box.size().z);
-    const std::array<Slice, 3> slices{Slice{1, options.at.y, box, scale}, Slice{2, options.at.z, box, scale},
-                                      Slice{0, options.at.x, box, scale}};
-    const std::array<std::string, 3> titles{fmt::format("Plan at y = {:.2f} m", options.at.y),
-                                            fmt::format("Section at z = {:.2f} m", options.at.z),
-                                            fmt::format("Section at x = {:.2f} m", options.at.x)};
-    std::array<std::vector<SlicePixel>, 3> pixels;
-    std::vector<float> values;
-    int height = 2 * margin + 2 * line_height;
-    for (std::size_t i = 0; i < 3; ++i) {
-        pixels[i] = sample_slice(level, slices[i]);
-        height += slices[i].size().y + 2 * line_height;
-        for (const SlicePixel& pixel : pixels[i]) {
-            if (!pixel.solid && pixel.lux > 0) values.push_back(pixel.lux);
-        }
-    }
-    const LogScale lux = scale_of(values);
+    const SlicePictures slices = picture_slices(level, volume, options.at, scale);
 
+    int height = 2 * margin + 2 * line_height;
+    for (const Canvas& picture : slices.pictures) height += picture.height + 2 * line_height;
     Canvas canvas(options.width, height, paper);
     glm::ivec2 corner(margin, margin);
     canvas.text(corner, "Irradiance in the volume, mean over all directions", ink, 17);
     corner.y += 2 * line_height;
-    const int top = corner.y + line_height;
-    for (std::size_t i = 0; i < 3; ++i) {
-        canvas.text(corner, titles[i], faint_ink);
-        canvas.paste(color_slice(slices[i], pixels[i], lux), corner + glm::ivec2(0, line_height));
-        corner.y += slices[i].size().y + 2 * line_height;
+    const glm::ivec2 bar(options.width - margin - legend + 30, corner.y + 2 * line_height);
+    for (std::size_t i = 0; i < slices.pictures.size(); ++i) {
+        canvas.text(corner, slices.slices[i].title(), faint_ink);
+        canvas.paste(slices.pictures[i], corner + glm::ivec2(0, line_height));
+        corner.y += slices.pictures[i].height + 2 * line_height;
     }
-    draw_legend(canvas, {options.width - margin - legend + 30, top + line_height}, slices[0].size().y - line_height,
-                lux, "lux", ink);
+    if (!slices.pictures.empty())
+        draw_legend(canvas, bar, slices.pictures[0].height - line_height, slices.lux, "lux", ink);
     draw_metre(canvas, {margin, corner.y + 4}, scale, options.width);
     return canvas;
 }

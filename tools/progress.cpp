@@ -82,6 +82,7 @@ void ProgressLine::finish() {
 }
 
 std::string duration_text(double seconds) {
+    if (seconds < 1e-3) return fmt::format("{:.2g} ms", 1e3 * seconds);
     if (seconds < 10) return fmt::format("{:.2g} s", seconds);
     const auto whole = static_cast<long long>(std::llround(seconds));
     if (whole < 60) return fmt::format("{} s", whole);

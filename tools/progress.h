@@ -53,7 +53,7 @@ class ProgressLine {
     bool drawn_ = false;
 };
 
-/// "3.2 s", "2 min 5 s", "1 h 20 min".
+/// "0.05 ms", "3.2 s", "2 min 5 s", "1 h 20 min".
 [[nodiscard]] std::string duration_text(double seconds);
 /// "12 kB", "3.4 MB".
 [[nodiscard]] std::string bytes_text(double bytes);

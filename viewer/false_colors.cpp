@@ -21,8 +21,8 @@ LightScales scales_of(std::span<const VertexLight> light) {
 
 void set_false_colors(const Uniforms& uniforms, const FalseColors& colors) {
     uniforms.set("ramp", false_color_ramp().data(), static_cast<int>(false_color_ramp().size()));
-    uniforms.set("lowest", static_cast<float>(std::log(mark(colors.scale.first))));
-    uniforms.set("highest", static_cast<float>(std::log(mark(colors.scale.last))));
+    uniforms.set("lowest", static_cast<float>(std::log(colors.scale.marks.front())));
+    uniforms.set("highest", static_cast<float>(std::log(colors.scale.marks.back())));
     uniforms.set("of_error", colors.what == LevelColors::standard_error ? 1 : 0);
     uniforms.set("tone", static_cast<int>(colors.tone));
 }

@@ -205,8 +205,10 @@ void Document::parse(Bytes text) {
     std::string warning;
     tinygltf::TinyGLTF parser;
     if (!parser.LoadASCIIFromString(&model_, &error, &warning, clean.data(), static_cast<unsigned>(clean.size()), "",
-                                    tinygltf::NO_REQUIRE))
-        throw Error("cannot be parsed: " + error, "", "Export the level again.");
+                                    tinygltf::NO_REQUIRE)) {
+        // tinygltf ends every finding with a new line.
+        throw Error("cannot be parsed: " + error.substr(0, error.find('\n')), "", "Export the level again.");
+    }
 
     check_links(model_, buffers_, images_, findings_);
     for (std::size_t i = 0; i < buffers_.size(); ++i) buffer_data_.emplace_back();

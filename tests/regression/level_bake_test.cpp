@@ -93,6 +93,10 @@ TEST_F(LevelBake, LosesNothingWhereAnInputOrOutputIsWrong) {
     expect_refused("nowhere.glb", "nowhere.glb: cannot be read: No such file");
     expect_refused("floor.glb --sky 1,1,1 -o floor.glb", "floor.glb: would replace what is to be baked");
     expect_refused("floor.glb --sky 1,1,1 --report-json floor.glb", "floor.glb: would replace what is to be baked");
+    expect_refused("floor.glb --sky 1,1,1 --report floor.glb", "floor.glb: would replace what is to be baked");
+    expect_refused("floor.glb --sky 1,1,1 --report nowhere/page.html", "nowhere/page.html: cannot be written");
+    expect_refused("floor.glb --sky 1,1,1 --report a --report-json ./a", "a: is named for two outputs");
+    expect_refused("floor.glb --sky 1,1,1 -o a --report a", "a: is named for two outputs");
     expect_refused("floor.glb --sky 1,1,1 -o nowhere/floor.exr", "nowhere/floor.exr: cannot be written");
     expect_refused("floor.glb --environment nowhere.hdr", "nowhere.hdr: cannot be read");
     expect_refused("floor.glb --scene 7", "scene 7");
@@ -168,6 +172,64 @@ TEST_F(LevelBake, ReportsErrorCurveStagesAndWhatItLeftOut) {
     for (const auto& item : report["left_out"]) {
         for (const char* key : {"what", "evidence", "saved"}) EXPECT_NE(item[key], "") << item;
     }
+}
+
+TEST_F(LevelBake, SaysWhatTheErrorIsMadeOfInSquares) {
+    const Result result = run(cornell + " --samples 64 --spacing 1 --report-json report.json");
+    const auto squares = nlohmann::json::parse(bytes("report.json"))["error"]["squares"];
+    double sum = 0;
+    for (const char* part : {"noise", "bands", "interpolation", "storage", "cross"}) sum += squares[part].get<double>();
+    EXPECT_NEAR(sum, squares["total"].get<double>(), 1e-9);
+    EXPECT_NE(result.err.find("in squares: "), std::string::npos) << result.err;
+}
+
+TEST_F(LevelBake, ComparesTheWaysToKeepAndReadTheVolume) {
+    ASSERT_EQ(run(cornell + " --samples 64 --spacing 1 --report-json report.json --quiet").status, 0);
+    const auto report = nlohmann::json::parse(bytes("report.json"));
+    ASSERT_EQ(report["look_ups"].size(), 12U) << "L0 to L2, float and half, trilinear and nearest";
+    int own = 0;
+    for (const auto& look_up : report["look_ups"]) {
+        if (!look_up["this_bake"]) continue;
+        ++own;
+        EXPECT_EQ(look_up["storage"], report["storage"]);
+        EXPECT_EQ(look_up["bands"], 3);
+        EXPECT_NEAR(look_up["relrmse"].get<double>(), report["error"]["relrmse"].get<double>(), 1e-9);
+    }
+    EXPECT_EQ(own, 1);
+}
+
+TEST_F(LevelBake, WritesAPageThatNeedsNothingElse) {
+    ASSERT_EQ(run(cornell + " --samples 64 --spacing 1 --report page.html --quiet").status, 0);
+    EXPECT_EQ(files(), (std::set<std::string>{"cornell.probes.exr", "page.html"}));
+    const std::string page = bytes("page.html");
+    EXPECT_EQ(page.rfind("<!DOCTYPE html>", 0), 0U);
+    EXPECT_EQ(page.find("</html>\n"), page.size() - 8) << "whole";
+    EXPECT_EQ(page.find("://"), std::string::npos) << "no address of anything";
+    EXPECT_EQ(page.find("<script"), std::string::npos);
+    EXPECT_NE(page.find("cornell.glb"), std::string::npos);
+}
+
+TEST_F(LevelBake, LeavesAnEarlierPageWhereItCannotWriteAnother) {
+    write("page.html", "an earlier page");
+    EXPECT_EQ(run(cornell + " --samples 16 --spacing 1 -o /dev/full --report page.html").status, 1);
+    EXPECT_EQ(bytes("page.html"), "an earlier page");
+    EXPECT_EQ(run(cornell + " --samples 16 --spacing 1 --report /dev/full").status, 1);
+}
+
+TEST_F(LevelBake, WritesAPageWithoutAMeasuredErrorToo) {
+    write_floor("floor.glb");
+    write("points.csv", "x,y,z\n0,0.5,0\n");
+    for (const char* call : {"floor.glb --sky 1,1,1 --samples 16 --probes points.csv", "--sky 1,1,1"}) {
+        ASSERT_EQ(run(std::string(call) + " -o list.exr --report page.html --quiet").status, 0) << call;
+        EXPECT_NE(bytes("page.html").find("a list has no cells"), std::string::npos) << call;
+    }
+}
+
+TEST_F(LevelBake, EscapesWhatItIsCalledWith) {
+    write_floor("a<b>&'c'.glb");
+    ASSERT_EQ(run("\"a<b>&'c'.glb\" --sky 1,1,1 --samples 16 --spacing 1 --report page.html --quiet").status, 0);
+    EXPECT_EQ(bytes("page.html").find("<b>&"), std::string::npos);
+    EXPECT_NE(bytes("page.html").find("<h1>a&lt;b&gt;&amp;&#39;c&#39;.glb</h1>"), std::string::npos);
 }
 
 TEST_F(LevelBake, SaysNothingButErrorsWithQuiet) {
@@ -314,11 +376,53 @@ TEST_F(LevelBake, TheBytesDependOnLevelOptionsAndSeedOnly) {
     EXPECT_NE(bytes("one.exr"), bytes("other.exr"));
 }
 
+TEST_F(LevelBake, TheCacheGivesTheLightOfPathsAndTheSameBytesForAnyNumberOfThreads) {
+    const auto bake = [&](const std::string& arguments) {
+        const Result result = run(cornell + " --spacing 1 --samples 1024 --quiet " + arguments);
+        EXPECT_EQ(result.status, 0) << result.err;
+        return result;
+    };
+    bake("--method path -o path.exr");
+    bake("--method cache -o cache.exr --threads 1");
+    bake("--method cache -o two.exr --threads 2");
+    EXPECT_EQ(bytes("cache.exr"), bytes("two.exr"));
+    const Volume paths = load_volume(folder() / "path.exr");
+    const Volume cached = load_volume(folder() / "cache.exr");
+    EXPECT_EQ(paths.settings.at("method"), "path");
+    EXPECT_EQ(cached.settings.at("method"), "cache");
+    double squares = 0;
+    double power = 0;
+    for (std::size_t slot = 0; slot < paths.slots(); ++slot) {
+        if (!is_valid(paths.states[slot])) continue;
+        const glm::dvec3 difference(cached.sh(slot)[0] - paths.sh(slot)[0]);
+        squares += glm::dot(difference, difference);
+        power += glm::dot(glm::dvec3(paths.sh(slot)[0]), glm::dvec3(paths.sh(slot)[0]));
+    }
+    EXPECT_LT(std::sqrt(squares / power), 0.03) << "1,024 rays leave a percent or two of noise";
+}
+
+TEST_F(LevelBake, FewProbesAreGatheredByPathsEvenWhereACacheIsAskedFor) {
+    write("points.csv", "x,y,z\n0,2,0\n1,1,1\n");
+    const std::string same = cornell + " --probes points.csv --samples 256 --quiet";
+    ASSERT_EQ(run(same + " --method path -o path.exr").status, 0);
+    ASSERT_EQ(run(same + " --method cache -o cache.exr").status, 0);
+    EXPECT_EQ(bytes("path.exr"), bytes("cache.exr"));
+}
+
+TEST_F(LevelBake, PlacesProbesTheSameWithAnyNumberOfThreads) {
+    // With bricks of probes that depend on their neighbours: under the ground, and behind outer walls.
+    for (const int threads : {1, 2, 2, 4}) {
+        const Result result = run(fmt::format("{} --sky 1,1,1 --samples 16 --threads {} -o {}.exr --quiet",
+                                              LIGHTGRID_SCENES "/courtyard.glb", threads, threads));
+        EXPECT_EQ(result.status, 0) << result.err;
+        EXPECT_EQ(bytes("1.exr"), bytes(fmt::format("{}.exr", threads))) << threads << " threads";
+    }
+}
+
 // ---- What another version will have
 
 TEST_F(LevelBake, RefusesByNameWhatIsNotInThisVersion) {
-    for (const char* option :
-         {"--method cache", "--max-error 2%", "--time-budget 60s", "--layers direct,indirect", "--report page.html"}) {
+    for (const char* option : {"--max-error 2%", "--time-budget 60s", "--layers direct,indirect"}) {
         expect_refused(cornell + " " + option, "is not in this version");
     }
     expect_refused(cornell + " --method photon", "photon is not known");

@@ -134,6 +134,13 @@ TEST(Gltf, NamesWhatIsMissing) {
     EXPECT_THROW(static_cast<void>(load_level("/")), Error);
 }
 
+TEST(Gltf, SaysWhatIsWrongInOneLine) {
+    GltfBuilder builder = triangle();
+    builder.json["bufferViews"][0]["byteStride"] = 5;
+    EXPECT_TRUE(contains(error_of(builder), "byteStride"));
+    EXPECT_FALSE(contains(error_of(builder), "\n"));
+}
+
 TEST(Gltf, RefusesOtherVersionsAndOtherFiles) {
     EXPECT_TRUE(contains(error_of(std::string("")), "JSON"));
     EXPECT_TRUE(contains(error_of(std::string("PK\3\4")), "neither binary glTF nor valid JSON"));

@@ -229,7 +229,7 @@ TEST_F(Lit, FalseColorsAreThoseOfTheScaleWhateverTheToneMap) {
                 if (colors == LevelColors::irradiance) {
                     // The back of the wall is darker: the scale reaches from it to the front.
                     const float back = luminance(surface_irradiance(looked_up(), {0, 0, wall_z}, {0, 0, -1}));
-                    want = false_color(scale_of({irradiance, back}).place(irradiance));
+                    want = false_color(static_cast<float>(scale_of({irradiance, back}).place(irradiance)));
                 } else {
                     // Of eight probes that weigh the same, or one: the scale is of all vertices' errors.
                     EXPECT_LE(surface_error(looked_up(), {0, 0, wall_z}, {0, 0, 1}), error / mean);

@@ -215,6 +215,32 @@ TEST(Sampler, MovesAlongTheNormalByTheBias) {
     EXPECT_EQ(sampler.irradiance({2, 2, 2}, {0, 1, 0}, biased), sampler.irradiance({2, 2.5, 2}, {0, 1, 0}));
 }
 
+TEST(Sampler, NearestIsTheProbeThatIsNearest) {
+    const Volume volume = volume_of({{{-1, 0, 2}, {0.5, 1, 0.25}, {7, 4, 5}}}, linear, 2);
+    const Sampler sampler(volume);
+    const SampleOptions nearest{.interpolation = Interpolation::nearest};
+    for (const glm::dvec3 offset : {glm::dvec3(0), glm::dvec3(0.2, 0.45, -0.1), glm::dvec3(-0.24, -0.49, 0.12)}) {
+        for (int i = 0; i < 7 * 4 * 5; ++i) {
+            const glm::dvec3 probe = volume.grids[0].position({i % 7, i / 7 % 4, i / 28});
+            const Sample sample = sampler.sample(probe + offset, nearest);  // some beyond the grid: clamped
+            EXPECT_EQ(sample.sh[3], linear(probe, 3));
+            EXPECT_EQ(sample.weight, 1);
+        }
+    }
+}
+
+TEST(Sampler, NearestLeavesOutProbesThatDoNotAnswer) {
+    Volume volume = volume_of({{{0, 0, 0}, {1, 1, 1}, {2, 2, 2}}}, linear);
+    set(volume, {0, 0, 0}, ProbeState::filled, glm::vec3(100));
+    set(volume, {1, 0, 0}, ProbeState::missing, glm::vec3(200));
+    const Sampler sampler(volume);
+    const SampleOptions nearest{.interpolation = Interpolation::nearest};
+    const Sample sample = sampler.sample({0.2, 0.4, 0.1}, nearest);
+    EXPECT_EQ(sample.sh[0], linear({0, 1, 0}, 0)) << "the heaviest of the valid";
+    EXPECT_FLOAT_EQ(sample.weight, 1 - 0.6F * 0.9F);
+    EXPECT_EQ(light_at(sampler, {0.2, 0, 0}, nearest), glm::vec3(100)) << "no valid one carries weight";
+}
+
 TEST(Sampler, GivesTheSameInBatches) {
     const Volume volume = volume_of({{{-1, 0, 2}, {0.3, 0.4, 0.5}, {7, 6, 5}}}, linear, 3);
     const Sampler sampler(volume);
