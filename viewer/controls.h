@@ -41,6 +41,7 @@ enum class Action : std::uint8_t {
     level_colors,
     probes,
     cell,
+    crowd,
 };
 
 struct KeyBinding {

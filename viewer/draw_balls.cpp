@@ -38,6 +38,7 @@ void BallDrawing::draw(const Eye& eye, const BallTable& table, const BallLook& l
     uniforms.set("clip_from_level", eye.clip_from_level);
     uniforms.set("ray", eye.ray);
     uniforms.set("before_all", look.before_all ? 1 : 0);
+    uniforms.set("rim_from", look.rims ? 0.8F : 2.0F);
     uniforms.set("band_factors", irradiance_factors(look.bands));
     uniforms.set("light_scale", albedo * eye.exposure * look.gain * std::numbers::inv_pi_v<float>);
     uniforms.set("tone", static_cast<int>(look.tone));

@@ -31,6 +31,7 @@ struct BallLook {
     float gain = 1;
     Tone tone = Tone::film;   // that the colours of the rims have to survive
     bool before_all = false;  // through walls
+    bool rims = true;
 };
 
 /// Draws any number of balls in one call, each as a square that a circle is cut out of.

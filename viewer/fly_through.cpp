@@ -197,7 +197,7 @@ void render_frames(const Call& call, const fs::path& folder, const Tracer& trace
     }
     for (int i = 0; i < frames; ++i) {
         const FlightMoment moment = evaluate(*flight, frame_time_s(*flight, i, frames));
-        Frame frame{.pose = moment.pose, .lens = lens};
+        Frame frame{.pose = moment.pose, .lens = lens, .time_s = frame_time_s(*flight, i, frames)};
         if (moment.object) {
             frame.object = {.position = *moment.object, .size = static_cast<float>(default_flight.object_size)};
         }

@@ -3,6 +3,7 @@
 #include "core/sh.h"
 #include "probes/half_storage.h"
 #include "tools/false_color.h"
+#include "viewer/crowd.h"
 #include "viewer/dominant_light.h"
 #include "viewer/exposure.h"
 #include "viewer/probes_shown.h"
@@ -131,7 +132,7 @@ void Renderer::draw_object(const Eye& eye, const ObjectPlace& place, const Setti
     object_->draw(eye, place, lighting);
 }
 
-/// Probes and cells.
+/// Probes, cells and the crowd.
 void Renderer::draw_data(const Eye& eye, const Frame& frame, const Settings& settings, const LookUp& light) {
     BallLook look{.bands = light.bands, .gain = settings.gain, .tone = settings.tone};
     if (settings.probes != ProbesShown::none) {
@@ -139,6 +140,11 @@ void Renderer::draw_data(const Eye& eye, const Frame& frame, const Settings& set
         if (!from.probes) from.probes = balls_.upload(probe_balls(*from.volume, origin_));
         look.before_all = settings.probes == ProbesShown::all;
         balls_.draw(eye, *from.probes, look);
+    }
+    if (settings.show_crowd) {
+        std::vector<Ball> crowd = crowd_at(*light.volume, frame.time_s, origin_);
+        light_crowd(light, origin_, crowd);
+        balls_.draw(eye, balls_.upload(crowd), {.bands = light.bands, .gain = settings.gain, .rims = false});
     }
     if (settings.show_cell && frame.object) {
         const ShownCell cell = cell_shown(light, frame.object->position, origin_);

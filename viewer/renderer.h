@@ -22,6 +22,7 @@ struct Frame {
     Pose pose;
     Lens lens;
     std::optional<ObjectPlace> object{};
+    double time_s = 0;  // of what moves by itself
 };
 
 /// A part of the picture with settings of its own: split screen is two of them.

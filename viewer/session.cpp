@@ -111,6 +111,7 @@ Requests step(Session& session, const Input& input, double seconds, glm::ivec2 s
     for (const Key key : input.pressed) {
         if (const std::optional<Action> action = action_of(key)) act(session, *action, requests);
     }
+    session.time_s += seconds;
     const Pose before = session.pose;
     session.pose = fly(session.pose, input, session.motion, seconds);
     if (session.pose.eye != before.eye || session.pose.yaw_deg != before.yaw_deg ||
@@ -129,7 +130,7 @@ Requests step(Session& session, const Input& input, double seconds, glm::ivec2 s
 }
 
 Frame frame_of(const Session& session) {
-    return {.pose = session.pose, .lens = session.lens, .object = session.object};
+    return {.pose = session.pose, .lens = session.lens, .object = session.object, .time_s = session.time_s};
 }
 
 std::vector<Pane> panes_of(const Session& session, glm::ivec2 size) {

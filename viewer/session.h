@@ -22,6 +22,8 @@ struct Session {
     Motion motion;
     bool touched = false;  // a person has flown: nothing else moves the camera any more
 
+    double time_s = 0;  // since the start
+
     ObjectMode object_mode = ObjectMode::follows;
     ObjectPlace object;
     bool dragged = false;  // by the mouse, right now

@@ -24,7 +24,8 @@ struct Settings {
     bool self_shadowing = true;  // of the object
     LevelColors level_colors = LevelColors::surface;
     ProbesShown probes = ProbesShown::none;
-    bool show_cell = false;  // that the object is in
+    bool show_cell = false;   // that the object is in
+    bool show_crowd = false;  // a thousand objects
     bool show_object = true;
     bool show_background = true;
 

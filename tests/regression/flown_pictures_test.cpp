@@ -158,7 +158,8 @@ TEST_P(BrokenShaders, AreSeen) {
 INSTANTIATE_TEST_SUITE_P(
     FlownPictures, BrokenShaders,
     testing::Values(
-        {"AxesOfShSwapped", "viewer/shaders/sh.glsl", "n.y * c[1] + n.z * c[2]", "n.z * c[1] + n.y * c[2]", "default"},
+        Mistake{"AxesOfShSwapped", "viewer/shaders/sh.glsl", "n.y * c[1] + n.z * c[2]", "n.z * c[1] + n.y * c[2]",
+                "default"},
         Mistake{"AnotherDisplayCurve", "viewer/shaders/develop.frag", "1.0 / 2.4", "1.0 / 2.2", "courtyard"},
         Mistake{"LightOfOneSideOnly", "viewer/shaders/level.frag", "gl_FrontFacing ? light_in_front : light_behind",
                 "light_behind", "cornell"},

@@ -7,6 +7,7 @@
 #include "tests/unit/random_volume.h"
 #include "tools/false_color.h"
 #include "viewer/controls.h"
+#include "viewer/crowd.h"
 #include "viewer/headless.h"
 #include "viewer/probes_shown.h"
 #include "viewer/renderer.h"
@@ -308,6 +309,7 @@ TEST_F(Lit, AllSettingsAreDrawnWithoutAComplaint) {
                     settings_.contact_shadow = on;
                     settings_.self_shadowing = on;
                     settings_.show_cell = on;
+                    settings_.show_crowd = on;
                     settings_.probes = on ? ProbesShown::all : ProbesShown::in_sight;
                     EXPECT_NO_THROW(static_cast<void>(draw()));
                 }
@@ -335,6 +337,23 @@ TEST(CellShown, HasTwelveEdgesAndBallsAsLargeAsTheirWeights) {
         EXPECT_LE(end.position.x, -9);
     }
     EXPECT_EQ(cell_shown({.volume = &lit, .filter = Filter::nearest}, at, {}).balls.size(), 1U);
+}
+
+TEST(Crowd, MovesAndIsLitWhereItIs) {
+    const LitVolume lit(random_volume({around_wall}, 3, any_state));
+    const LookUp from{.volume = &lit};
+    const glm::dvec3 origin(3, 2, 1);
+    std::vector<Ball> crowd = crowd_at(lit, 0, origin);
+    ASSERT_EQ(crowd.size(), crowd_size);
+    const std::vector<Ball> later = crowd_at(lit, 1, origin);
+    light_crowd(from, origin, crowd);
+    for (std::size_t i = 0; i < crowd.size(); ++i) {
+        EXPECT_NE(crowd[i].center, later[i].center);
+        EXPECT_EQ(crowd[i].radiance, radiance_sh(from, origin + glm::dvec3(crowd[i].center)));
+    }
+    EXPECT_TRUE(
+        crowd_at(LitVolume(random_volume({around_wall}, 1, [](auto&) { return ProbeState::missing; })), 0, origin)
+            .empty());
 }
 
 TEST(SurfaceError, FallsWithTheNumberOfProbesAndFollowsTheAxes) {

@@ -74,7 +74,8 @@ TEST(Controls, SettingsComeRoundAgain) {
          {std::pair(Action::tone, 3), std::pair(Action::level_light, 4), std::pair(Action::object_light, 3),
           std::pair(Action::bands, 3), std::pair(Action::filter, 2), std::pair(Action::dering, 2),
           std::pair(Action::half, 2), std::pair(Action::contact_shadow, 2), std::pair(Action::self_shadowing, 2),
-          std::pair(Action::level_colors, 3), std::pair(Action::probes, 3), std::pair(Action::cell, 2)}) {
+          std::pair(Action::level_colors, 3), std::pair(Action::probes, 3), std::pair(Action::cell, 2),
+          std::pair(Action::crowd, 2)}) {
         Settings settings;
         int changed = 0;
         for (int i = 0; i < presses; ++i) {

@@ -6,14 +6,13 @@
 uniform mat3 ray;
 uniform vec3 band_factors;  // of the cosine lobe; 0 for a band that is not used
 uniform float light_scale;  // albedo x exposure x gain / pi
+uniform float rim_from;     // radii; beyond 1 there is none
 
 flat in vec3 rim;
 flat in vec3 radiance[9];
 in vec2 from_center;
 
 out vec4 color;
-
-const float rim_from = 0.8;  // radii
 
 void main() {
     float radius = length(from_center);
