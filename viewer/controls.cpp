@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <utility>
 
 namespace lightgrid {
 namespace {
 
 constexpr std::array bindings{
-    KeyBinding{Key::f1, Action::help, "F1", "these lines, on the terminal"},
+    KeyBinding{Key::f1, Action::help, "F1", "what keys and mouse do"},
+    KeyBinding{Key::tab, Action::panel, "Tab", "the panel with all controls, or the picture alone"},
     KeyBinding{Key::p, Action::fly, "P", "fly along the path, or stop"},
     KeyBinding{Key::r, Action::record, "R", "record a path, or end and save it"},
     KeyBinding{Key::f12, Action::screenshot, "F12", "save the picture (PNG) and its light (EXR)"},
@@ -20,13 +20,16 @@ constexpr std::array bindings{
     KeyBinding{Key::digit_3, Action::own_object, "3", "the object that --object names"},
     KeyBinding{Key::digit_4, Action::no_object, "4", "no object"},
     KeyBinding{Key::f, Action::follow, "F", "the object follows the camera, or stays"},
-    KeyBinding{Key::x, Action::split, "X", "split screen: what is set from now on holds on the right"},
+    KeyBinding{Key::x, Action::split, "X", "split screen, or one picture"},
+    KeyBinding{Key::c, Action::comparison, "C", "what split screen compares"},
     KeyBinding{Key::l, Action::level_light, "L", "light of the level: per vertex, constant, none"},
-    KeyBinding{Key::o, Action::object_light, "O", "light of the object: by look-up, constant"},
+    KeyBinding{Key::o, Action::object_light, "O", "light of the object: constant, by look-up, path-traced"},
     KeyBinding{Key::b, Action::bands, "B", "bands that are used: 1, 2, 3"},
     KeyBinding{Key::n, Action::filter, "N", "nearest probe or trilinear"},
     KeyBinding{Key::g, Action::dering, "G", "deringing of the object's light"},
     KeyBinding{Key::h, Action::half, "H", "coefficients rounded to half"},
+    KeyBinding{Key::k, Action::background, "K", "background: environment, its coefficients, none"},
+    KeyBinding{Key::v, Action::next_environment, "V", "the next environment of its folder"},
     KeyBinding{Key::comma, Action::less_gain, ",", "less light from the volume"},
     KeyBinding{Key::period, Action::more_gain, ".", "more light from the volume"},
     KeyBinding{Key::minus, Action::less_exposure, "-", "shorter exposure"},
@@ -35,13 +38,17 @@ constexpr std::array bindings{
     KeyBinding{Key::escape, Action::quit, "Esc", "quit"},
 };
 
-constexpr std::array<std::pair<std::string_view, std::string_view>, 5> motions{{
-    {"W A S D", "fly forward, left, back, right"},
-    {"Q E", "down, up"},
-    {"Shift", "faster"},
-    {"Wheel", "speed"},
-    {"Mouse", "right button: look round; left button: drag the object"},
-}};
+constexpr std::array motions{
+    MotionBinding{"W A S D", "fly forward, left, back, right"},
+    MotionBinding{"Q E", "down, up"},
+    MotionBinding{"Shift", "faster"},
+    MotionBinding{"Wheel", "speed"},
+    MotionBinding{"Right", "button of the mouse, held: look round"},
+    MotionBinding{"Left", "button, held: drag the object"},
+    MotionBinding{"Click", "path-traced light there, beside the volume's"},
+    MotionBinding{"[ ]", "turn the environment's light"},
+    MotionBinding{"Drop", "an environment or an object onto the window"},
+};
 
 constexpr float stops_per_press = 0.25F;
 
@@ -60,6 +67,10 @@ void scale_gain(Settings& settings, float stops) {
 
 std::span<const KeyBinding> key_bindings() {
     return bindings;
+}
+
+std::span<const MotionBinding> motion_bindings() {
+    return motions;
 }
 
 std::optional<Action> action_of(Key key) {
@@ -89,7 +100,7 @@ Pose fly(const Pose& pose, const Input& input, Motion& motion, double seconds) {
     return result;
 }
 
-bool apply(Action action, Settings& settings) {
+bool apply(Action action, Settings& settings, int bands) {
     switch (action) {
         case Action::less_gain:
             scale_gain(settings, -stops_per_press);
@@ -110,10 +121,10 @@ bool apply(Action action, Settings& settings) {
             settings.level_light = next(settings.level_light, 3);
             return true;
         case Action::object_light:
-            settings.object_light = next(settings.object_light, 2);
+            settings.object_light = next(settings.object_light, 3);
             return true;
         case Action::bands:
-            settings.bands = settings.bands % most_used_bands + 1;
+            settings.bands = settings.bands % bands + 1;
             return true;
         case Action::filter:
             settings.filter = next(settings.filter, 2);
@@ -123,6 +134,9 @@ bool apply(Action action, Settings& settings) {
             return true;
         case Action::half:
             settings.half = !settings.half;
+            return true;
+        case Action::background:
+            settings.background = next(settings.background, 3);
             return true;
         default:
             return false;

@@ -53,13 +53,14 @@ ObjectDrawing::ObjectDrawing(const Gl& gl, const ShaderSources& shaders, const O
     check_gl(gl, "uploading the object");
 }
 
-void ObjectDrawing::draw(const Eye& eye, const ObjectPlace& place, const Sh9& irradiance) const {
+void ObjectDrawing::draw(const Eye& eye, const ObjectPlace& place, const Sh36& irradiance) const {
     gl_.UseProgram(program_.name());
     const Uniforms uniforms(gl_, program_);
     uniforms.set("clip_from_level", eye.clip_from_level);
     uniforms.set("rotation", place.rotation);
     uniforms.set("size", place.size);
     uniforms.set("center", glm::vec3(place.position - eye.origin));
+    uniforms.set("bands", used_bands(irradiance));
     uniforms.set("irradiance", irradiance.data(), static_cast<int>(irradiance.size()));
     uniforms.set("light_scale", eye.exposure * std::numbers::inv_pi_v<float>);
     uniforms.set("base_color_map", 0);

@@ -27,7 +27,7 @@ class ObjectDrawing {
     ObjectDrawing(const Gl& gl, const ShaderSources& shaders, const ObjectMesh& mesh);
 
     /// irradiance  see irradiance_sh(); times gain
-    void draw(const Eye& eye, const ObjectPlace& place, const Sh9& irradiance) const;
+    void draw(const Eye& eye, const ObjectPlace& place, const Sh36& irradiance) const;
 
   private:
     struct Part {

@@ -12,8 +12,6 @@
 namespace lightgrid {
 namespace {
 
-constexpr int most_bands = 3;
-
 double finest_spacing_of(const Volume& volume) {
     double finest = std::numeric_limits<double>::infinity();
     for (const Grid& grid : volume.grids) {
@@ -42,6 +40,26 @@ glm::vec3 usual_light_of(const Volume& volume) {
     return *usual;
 }
 
+template <std::size_t Size>
+std::array<glm::vec3, Size> radiance_of_size(const LookUp& from, glm::dvec3 position) {
+    const Volume& volume = from.volume->volume;
+    Sampler::Corners corners = from.volume->sampler.corners(position);
+    if (from.filter == Filter::nearest && corners.count > 0) {
+        const auto nearest = std::max_element(corners.weights.begin(), corners.weights.begin() + corners.count);
+        corners.slots[0] = corners.slots[static_cast<std::size_t>(nearest - corners.weights.begin())];
+        corners.weights[0] = 1;
+        corners.count = 1;
+    }
+    std::array<glm::vec3, Size> sh{};
+    const std::size_t used = std::min(Size, static_cast<std::size_t>(sh_size(std::min(from.bands, volume.bands))));
+    for (int c = 0; c < corners.count; ++c) {
+        const std::span<const glm::vec3> probe = volume.sh(corners.slots[static_cast<std::size_t>(c)]);
+        const float weight = corners.weights[static_cast<std::size_t>(c)];
+        for (std::size_t i = 0; i < used; ++i) sh[i] += weight * probe[i];
+    }
+    return sh;
+}
+
 }  // namespace
 
 LitVolume::LitVolume(Volume of)
@@ -55,29 +73,31 @@ LookUp look_up(const LitVolume& volume, const Settings& settings) {
 }
 
 Sh9 radiance_sh(const LookUp& from, glm::dvec3 position) {
-    const Volume& volume = from.volume->volume;
-    Sampler::Corners corners = from.volume->sampler.corners(position);
-    if (from.filter == Filter::nearest && corners.count > 0) {
-        const auto nearest = std::max_element(corners.weights.begin(), corners.weights.begin() + corners.count);
-        corners.slots[0] = corners.slots[static_cast<std::size_t>(nearest - corners.weights.begin())];
-        corners.weights[0] = 1;
-        corners.count = 1;
-    }
-    Sh9 sh{};
-    const auto used = static_cast<std::size_t>(sh_size(std::min({from.bands, volume.bands, most_bands})));
-    for (int c = 0; c < corners.count; ++c) {
-        const std::span<const glm::vec3> probe = volume.sh(corners.slots[static_cast<std::size_t>(c)]);
-        const float weight = corners.weights[static_cast<std::size_t>(c)];
-        for (std::size_t i = 0; i < used; ++i) sh[i] += weight * probe[i];
-    }
+    return radiance_of_size<std::tuple_size_v<Sh9>>(from, position);
+}
+
+Sh36 all_radiance_sh(const LookUp& from, glm::dvec3 position) {
+    return radiance_of_size<std::tuple_size_v<Sh36>>(from, position);
+}
+
+Sh36 irradiance_sh(const Sh36& radiance, bool dering) {
+    Sh36 sh = radiance;
+    // Deringing costs as the cube of the bands.
+    const std::span<glm::vec3> used = std::span(sh).first(static_cast<std::size_t>(sh_size(used_bands(sh))));
+    if (dering) dering_sh(used);
+    convolve_with_cosine(used);
     return sh;
 }
 
-Sh9 irradiance_sh(const LookUp& from, glm::dvec3 position, bool dering) {
-    Sh9 sh = radiance_sh(from, position);
-    if (dering) dering_sh(sh);
-    convolve_with_cosine(sh);
-    return sh;
+int used_bands(const Sh36& sh) {
+    const auto last = std::find_if(sh.rbegin(), sh.rend(), [](glm::vec3 c) { return c != glm::vec3(0); });
+    return std::max(sh_bands(static_cast<std::size_t>(sh.rend() - last)), 1);
+}
+
+Sh36 first_bands(const Sh36& sh, int bands) {
+    Sh36 result = sh;
+    for (auto i = static_cast<std::size_t>(sh_size(bands)); i < result.size(); ++i) result[i] = glm::vec3(0);
+    return result;
 }
 
 glm::vec3 surface_irradiance(const LookUp& from, glm::dvec3 position, glm::vec3 normal) {

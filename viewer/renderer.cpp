@@ -60,9 +60,11 @@ const TexelBuffer& Renderer::light_table(const Settings& settings) {
         return table.filter == settings.filter && table.bands == settings.bands && table.half == settings.half;
     });
     if (known != light_tables_.end()) return known->table;
+    look_ups_ += 2 * level_->mesh().light_rows;
     if (light_tables_.size() == most_light_tables) light_tables_.erase(light_tables_.begin());
     light_tables_.push_back({settings.filter, settings.bands, settings.half,
-                             level_->make_light_table(light_level(level_->mesh(), origin_, look_up_with(settings)))});
+                             level_->make_light_table(light_level(level_->mesh(), origin_, look_up_with(settings))),
+                             level_->mesh().light_rows * sizeof(VertexLight)});
     return light_tables_.back().table;
 }
 
@@ -80,18 +82,22 @@ void Renderer::draw_pane(const Frame& frame, const Pane& pane) {
 
     if (level_) level_->draw_opaque(eye, level_light);
     if (object_ && frame.object && settings.show_object) {
-        Sh9 irradiance{};
-        if (light.volume != nullptr && settings.object_light != ObjectLight::constant) {
-            irradiance = irradiance_sh(light, frame.object->position, settings.dering);
+        Sh36 irradiance{};
+        if (frame.reference && settings.object_light == ObjectLight::reference) {
+            irradiance = irradiance_sh(*frame.reference, settings.dering);
+        } else if (light.volume != nullptr && settings.object_light != ObjectLight::constant) {
+            irradiance = irradiance_sh(all_radiance_sh(light, frame.object->position), settings.dering);
+            ++look_ups_;
         } else {
             irradiance[0] = level_light.constant / 0.282095F;
         }
         for (glm::vec3& coefficient : irradiance) coefficient *= settings.gain;
         object_->draw(eye, *frame.object, irradiance);
     }
-    if (settings.show_background) {
-        const Sh9 radiance = light.volume != nullptr ? radiance_sh(light, frame.pose.eye) : Sh9{};
-        background_.draw(eye, radiance);
+    if (settings.background != Background::none) {
+        const Sh36 radiance = light.volume != nullptr ? all_radiance_sh(light, frame.pose.eye) : Sh36{};
+        if (light.volume != nullptr) ++look_ups_;
+        background_.draw(eye, settings.background == Background::picture, frame.environment_turn, radiance);
     }
     if (level_) level_->draw_blended(eye, level_light);
 }
@@ -100,11 +106,23 @@ void Renderer::draw(const Frame& frame, std::span<const Pane> panes, glm::ivec2 
     target_.resize(size, samples);
     const Settings& first = panes.front().settings;
     exposure_ = exposure_of(first, look_up_with(first), frame.pose);
+    look_ups_ = 0;
     target_.begin();
     for (const Pane& pane : panes) draw_pane(frame, pane);
     target_.resolve();
     for (const Pane& pane : panes) target_.develop(pane.part, pane.settings.tone);
     check_gl(gl_, "drawing a picture");
+}
+
+std::size_t Renderer::bytes_of_light() const {
+    std::size_t bytes = 0;
+    for (const LitVolume* lit : {volume_.get(), half_volume_.get()}) {
+        if (lit == nullptr) continue;
+        const Volume& volume = lit->volume;
+        bytes += volume.states.size() * sizeof(ProbeState) + volume.coefficients.size() * sizeof(glm::vec3);
+    }
+    for (const LightTable& table : light_tables_) bytes += table.bytes;
+    return bytes;
 }
 
 }  // namespace lightgrid

@@ -19,6 +19,8 @@ struct Frame {
     Pose pose;
     Lens lens;
     std::optional<ObjectPlace> object{};
+    std::optional<Sh36> reference{};  // radiance at the object as the path tracer has it: ObjectLight::reference
+    glm::mat3 environment_turn{1};    // from the environment's own axes to the level's
 };
 
 /// A part of the picture with settings of its own: split screen is two of them.
@@ -53,6 +55,10 @@ class Renderer {
     [[nodiscard]] const PictureTarget& target() const noexcept { return target_; }
     /// The last picture's.
     [[nodiscard]] float exposure() const noexcept { return exposure_; }
+    /// Look-ups in the volume for the last picture.
+    [[nodiscard]] std::size_t look_ups() const noexcept { return look_ups_; }
+    /// Of all light: coefficients in memory and tables on the card.
+    [[nodiscard]] std::size_t bytes_of_light() const;
     [[nodiscard]] RadianceImage read_light() const { return target_.read_light(exposure_); }
 
   private:
@@ -62,6 +68,7 @@ class Renderer {
         int bands;
         bool half;
         TexelBuffer table;
+        std::size_t bytes = 0;
     };
 
     void draw_pane(const Frame& frame, const Pane& pane);
@@ -81,6 +88,7 @@ class Renderer {
     std::shared_ptr<const LitVolume> half_volume_;  // made when first asked for
     std::vector<LightTable> light_tables_;
     float exposure_ = 1;
+    std::size_t look_ups_ = 0;
 };
 
 }  // namespace lightgrid

@@ -1,7 +1,8 @@
 #version 330 core
 #include "sh.glsl"
 
-uniform vec3 irradiance[9];
+uniform vec3 irradiance[36];
+uniform int bands;
 uniform float light_scale;  // exposure / pi
 uniform sampler2D base_color_map;
 uniform sampler2D emission_map;
@@ -20,7 +21,7 @@ void main() {
     vec4 base = texture(base_color_map, base_color_at) * base_color * vertex_color;
     if (base.a < alpha_cutoff) discard;
     vec3 normal = normalize(gl_FrontFacing ? turned_normal : -turned_normal);
-    vec3 shown = clamp(base.rgb, 0.0, 1.0) * light_scale * max(evaluate_sh(irradiance, normal), 0.0);
+    vec3 shown = clamp(base.rgb, 0.0, 1.0) * light_scale * max(evaluate_sh(irradiance, bands, normal), 0.0);
     shown += emission * texture(emission_map, emission_at).rgb;
     color = vec4(min(shown, 60000.0), 1.0);
 }
