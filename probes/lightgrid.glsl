@@ -8,8 +8,9 @@
 //
 // Positions are metres relative to the `origin` of the packed textures, axes those of the level. Irradiance is in lux,
 // linear Rec.709. lightgrid_light finds what the C++ Sampler finds (probes/sampler.h says what that is), with its weights
-// in float: eight probes by texelFetch, those that are not valid left out. lightgrid_filtered_light reads the plain
-// textures that hardware filters.
+// in float: eight probes by texelFetch, those that are not valid left out; with LIGHTGRID_NEAREST defined, the one of them
+// that weighs most, so that one sees what interpolation is worth. lightgrid_filtered_light reads the plain textures that
+// hardware filters.
 
 #ifndef LIGHTGRID_BANDS
 #define LIGHTGRID_BANDS 3
@@ -86,6 +87,9 @@ LightgridLight lightgrid_sum(LightgridCell cell, float state) {
     LightgridLight sum = lightgrid_black();
     ivec3 bricks = (cell.last >> 2) + 1;
     bool stored = true;
+#ifdef LIGHTGRID_NEAREST
+    float heaviest = 0.0f;
+#endif
     for (int i = 0; i < 8; ++i) {
         ivec3 upper = ivec3(i & 1, (i >> 1) & 1, i >> 2);
         vec3 factors = mix(1.0f - cell.share, cell.share, vec3(upper));
@@ -100,7 +104,13 @@ LightgridLight lightgrid_sum(LightgridCell cell, float state) {
         vec4 last = texelFetch(lightgrid_atlas, texel + ivec3(LIGHTGRID_TEXELS - 1, 0, 0), 0);
         weight = last.w == state ? weight : 0.0f;
         sum.known += weight;
+#ifdef LIGHTGRID_NEAREST
+        if (weight > heaviest) {
+            heaviest = weight;
+            for (int t = 0; t < LIGHTGRID_TEXELS; ++t) sum.texels[t] = vec4(0.0f);
+#else
         if (weight > 0.0f) {
+#endif
             weight *= uintBitsToFloat(entry.w << 23);
             sum.texels[LIGHTGRID_TEXELS - 1] += weight * last;
             for (int t = 0; t < LIGHTGRID_TEXELS - 1; ++t) {
@@ -109,6 +119,11 @@ LightgridLight lightgrid_sum(LightgridCell cell, float state) {
         }
     }
     if (!stored) return lightgrid_black();
+#ifdef LIGHTGRID_NEAREST
+    if (heaviest > 0.0f) {
+        for (int t = 0; t < LIGHTGRID_TEXELS; ++t) sum.texels[t] *= sum.known / heaviest;
+    }
+#endif
     return sum;
 }
 

@@ -3,6 +3,7 @@
 #include "core/parallel.h"
 #include "core/sampling.h"
 #include "core/sh.h"
+#include "tools/false_color.h"
 
 #include <fmt/format.h>
 
@@ -30,42 +31,7 @@ Canvas developed(const View& view, float exposure) {
     return canvas;
 }
 
-// ---- false colours -------------------------------------------------------------------------------------------------
-
-/// Dark blue through cyan, green, yellow and red to pale: the order that lighting engineers know, with lightness rising
-/// throughout so that it reads in grey, too.
-glm::vec3 false_color(float t) {
-    static const std::array<glm::vec3, 8> ramp{hex_color(0x14123A), hex_color(0x2B2F8F), hex_color(0x1F6FB2),
-                                               hex_color(0x1FA39A), hex_color(0x6DBE45), hex_color(0xE3CF3A),
-                                               hex_color(0xF59E42), hex_color(0xFFF0DC)};
-    const float at = glm::clamp(t, 0.0F, 1.0F) * (ramp.size() - 1);
-    const auto below = std::min(static_cast<std::size_t>(at), ramp.size() - 2);
-    return glm::mix(ramp[below], ramp[below + 1], at - static_cast<float>(below));
-}
-
-/// 1, 2 or 5 times a power of ten: the mark with this number; 0 is 1, 3 is 10.
-double mark(int number) {
-    constexpr std::array<double, 3> steps{1, 2, 5};
-    const int decade = static_cast<int>(std::floor(number / 3.0));
-    return steps[number - 3 * decade] * std::pow(10.0, decade);
-}
-
-/// The last mark that is not above `value`.
-int mark_below(double value) {
-    int number = 3 * static_cast<int>(std::floor(std::log10(value)));
-    while (mark(number + 1) <= value) ++number;
-    return number;
-}
-
-struct Scale {
-    int first = 0;  // marks
-    int last = 1;
-
-    [[nodiscard]] float place(double value) const {
-        const double low = std::log(mark(first));
-        return static_cast<float>((std::log(std::max(value, 1e-30)) - low) / (std::log(mark(last)) - low));
-    }
-};
+// ---- slices ---------------------------------------------------------------------------------------------------------
 
 /// A plane of the level, seen along -axis.
 struct Slice {
@@ -118,7 +84,7 @@ std::vector<SlicePixel> sample_slice(const LitLevel& level, const Slice& slice) 
     return pixels;
 }
 
-Canvas color_slice(const Slice& slice, const std::vector<SlicePixel>& pixels, const Scale& scale) {
+Canvas color_slice(const Slice& slice, const std::vector<SlicePixel>& pixels, const LogScale& scale) {
     const glm::ivec2 size = slice.size();
     Canvas canvas(size.x, size.y, section_fill);
     for (int y = 0; y < size.y; ++y) {
@@ -141,22 +107,6 @@ Canvas color_slice(const Slice& slice, const std::vector<SlicePixel>& pixels, co
     return canvas;
 }
 
-/// The colour bar with its marks; returns its width.
-void draw_legend(Canvas& canvas, glm::ivec2 corner, int height, const Scale& scale) {
-    constexpr int bar = 26;
-    for (int y = 0; y < height; ++y) {
-        canvas.fill(corner + glm::ivec2(0, y), {bar, 1},
-                    false_color(1 - static_cast<float>(y) / static_cast<float>(height - 1)));
-    }
-    for (int number = scale.first; number <= scale.last; ++number) {
-        const int y =
-            corner.y + static_cast<int>(std::lround((1 - scale.place(mark(number))) * static_cast<float>(height - 1)));
-        canvas.fill({corner.x + bar, y}, {7, 1}, ink);
-        canvas.text({corner.x + bar + 12, y - 5}, fmt::format("{}", mark(number)), ink);
-    }
-    canvas.text({corner.x, corner.y - line_height}, "lux", ink);
-}
-
 /// One metre, or a power of ten of it that suits the width.
 void draw_metre(Canvas& canvas, glm::ivec2 corner, double pixels_per_metre, int width) {
     const double length = std::pow(10.0, std::floor(std::log10(0.4 * width / pixels_per_metre)));
@@ -168,19 +118,6 @@ void draw_metre(Canvas& canvas, glm::ivec2 corner, double pixels_per_metre, int 
 }
 
 // ---- probes --------------------------------------------------------------------------------------------------------
-
-glm::vec3 state_color(ProbeState state) {
-    switch (state) {
-        case ProbeState::valid:
-            return hex_color(0x4FB286);
-        case ProbeState::moved:
-            return hex_color(0xF2B134);
-        case ProbeState::filled:
-            return hex_color(0xE5484D);
-        default:
-            return hex_color(0xB04FC6);
-    }
-}
 
 /// Lattice places of the layer of probes nearest to `at` across `axis`: slots, and where the layer is.
 struct Layer {
@@ -285,12 +222,7 @@ Canvas draw_slices(const LitLevel& level, const Volume& volume, const PictureOpt
             if (!pixel.solid && pixel.lux > 0) values.push_back(pixel.lux);
         }
     }
-    Scale lux;
-    if (!values.empty()) {
-        std::sort(values.begin(), values.end());
-        lux.first = mark_below(values[values.size() / 200]);
-        lux.last = std::max(mark_below(values[values.size() - 1 - values.size() / 200]) + 1, lux.first + 1);
-    }
+    const LogScale lux = scale_of(values);
 
     Canvas canvas(options.width, height, paper);
     glm::ivec2 corner(margin, margin);
@@ -303,7 +235,7 @@ Canvas draw_slices(const LitLevel& level, const Volume& volume, const PictureOpt
         corner.y += slices[i].size().y + 2 * line_height;
     }
     draw_legend(canvas, {options.width - margin - legend + 30, top + line_height}, slices[0].size().y - line_height,
-                lux);
+                lux, "lux", ink);
     draw_metre(canvas, {margin, corner.y + 4}, scale, options.width);
     return canvas;
 }

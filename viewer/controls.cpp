@@ -1,9 +1,12 @@
 #include "viewer/controls.h"
 
+#include "core/error.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 
 namespace lightgrid {
@@ -21,15 +24,20 @@ constexpr std::array bindings{
     KeyBinding{Key::digit_4, Action::no_object, "4", "no object"},
     KeyBinding{Key::f, Action::follow, "F", "the object follows the camera, or stays"},
     KeyBinding{Key::x, Action::split, "X", "split screen, or one picture"},
-    KeyBinding{Key::c, Action::comparison, "C", "what split screen compares"},
-    KeyBinding{Key::l, Action::level_light, "L", "light of the level: per vertex, constant, none"},
-    KeyBinding{Key::o, Action::object_light, "O", "light of the object: constant, by look-up, path-traced"},
+    KeyBinding{Key::m, Action::comparison, "M", "what split screen compares"},
+    KeyBinding{Key::l, Action::level_light, "L", "light of the level: per vertex, per pixel, none, constant"},
+    KeyBinding{Key::o, Action::object_light, "O", "light of the object: one look-up, per pixel, path-traced, constant"},
     KeyBinding{Key::b, Action::bands, "B", "bands that are used: 1, 2, 3"},
     KeyBinding{Key::n, Action::filter, "N", "nearest probe or trilinear"},
     KeyBinding{Key::g, Action::dering, "G", "deringing of the object's light"},
     KeyBinding{Key::h, Action::half, "H", "coefficients rounded to half"},
-    KeyBinding{Key::k, Action::background, "K", "background: environment, its coefficients, none"},
-    KeyBinding{Key::v, Action::next_environment, "V", "the next environment of its folder"},
+    KeyBinding{Key::j, Action::contact_shadow, "J", "contact shadow of the object"},
+    KeyBinding{Key::k, Action::self_shadowing, "K", "what the object hides and reflects of itself"},
+    KeyBinding{Key::v, Action::level_colors, "V", "false colours on the level: none, irradiance, standard error"},
+    KeyBinding{Key::z, Action::probes, "Z", "probes: none, in sight, through walls"},
+    KeyBinding{Key::c, Action::cell, "C", "the cell that the object is in, with its weights"},
+    KeyBinding{Key::u, Action::background, "U", "background: environment, its coefficients, none"},
+    KeyBinding{Key::i, Action::next_environment, "I", "the next environment of its folder"},
     KeyBinding{Key::comma, Action::less_gain, ",", "less light from the volume"},
     KeyBinding{Key::period, Action::more_gain, ".", "more light from the volume"},
     KeyBinding{Key::minus, Action::less_exposure, "-", "shorter exposure"},
@@ -118,10 +126,10 @@ bool apply(Action action, Settings& settings, int bands) {
             settings.tone = next(settings.tone, 3);
             return true;
         case Action::level_light:
-            settings.level_light = next(settings.level_light, 3);
+            settings.level_light = next(settings.level_light, 4);
             return true;
         case Action::object_light:
-            settings.object_light = next(settings.object_light, 3);
+            settings.object_light = next(settings.object_light, 4);
             return true;
         case Action::bands:
             settings.bands = settings.bands % bands + 1;
@@ -138,9 +146,37 @@ bool apply(Action action, Settings& settings, int bands) {
         case Action::background:
             settings.background = next(settings.background, 3);
             return true;
+        case Action::contact_shadow:
+            settings.contact_shadow = !settings.contact_shadow;
+            return true;
+        case Action::self_shadowing:
+            settings.self_shadowing = !settings.self_shadowing;
+            return true;
+        case Action::level_colors:
+            settings.level_colors = next(settings.level_colors, 3);
+            return true;
+        case Action::probes:
+            settings.probes = next(settings.probes, 3);
+            return true;
+        case Action::cell:
+            settings.show_cell = !settings.show_cell;
+            return true;
         default:
             return false;
     }
+}
+
+Settings settings_after(std::string_view keys) {
+    Settings settings;
+    for (const char printed : keys) {
+        const auto key = static_cast<Key>(std::toupper(static_cast<unsigned char>(printed)));
+        const std::optional<Action> action = action_of(key);
+        if (!action || !apply(*action, settings)) {
+            throw Error(fmt::format("no setting is switched by the key \"{}\"", printed), {},
+                        "fly-through shows the keys with F1; README.md lists them");
+        }
+    }
+    return settings;
 }
 
 }  // namespace lightgrid

@@ -40,6 +40,11 @@ enum class Action : std::uint8_t {
     half,
     background,
     next_environment,
+    contact_shadow,
+    self_shadowing,
+    level_colors,
+    probes,
+    cell,
 };
 
 struct KeyBinding {
@@ -82,5 +87,9 @@ inline constexpr double turn_deg_per_s = 45;  // of the light
 ///
 /// bands  as many as there are to choose from
 bool apply(Action action, Settings& settings, int bands = 3);
+
+/// The default settings after keys, named as they are printed ("zv"), have been pressed. Throws Error (Fault::input) for a
+/// key that no setting is switched by.
+[[nodiscard]] Settings settings_after(std::string_view keys);
 
 }  // namespace lightgrid

@@ -1,38 +1,20 @@
 #include "viewer/draw_level.h"
 
-#include "core/error.h"
-
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cstddef>
 #include <numbers>
+#include <string>
+#include <utility>
 
 namespace lightgrid {
 namespace {
-
-TexelBuffer make_texel_buffer(const Gl& gl, GLenum format, std::span<const glm::vec4> texels,
-                              const std::string& where) {
-    GLint most = 0;
-    gl.GetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most);
-    if (texels.size() > static_cast<std::size_t>(most)) {
-        throw Error(fmt::format("needs a table of {} texels; this OpenGL takes {}", texels.size(), most), where,
-                    "Use another driver, such as Mesa's llvmpipe (LIBGL_ALWAYS_SOFTWARE=1)");
-    }
-    TexelBuffer result{make_buffer(gl), make_texture(gl)};
-    gl.BindBuffer(GL_TEXTURE_BUFFER, result.buffer.name());
-    gl.BufferData(GL_TEXTURE_BUFFER, static_cast<GLsizeiptr>(texels.size_bytes()), texels.data(), GL_STATIC_DRAW);
-    gl.BindTexture(GL_TEXTURE_BUFFER, result.texture.name());
-    gl.TexBuffer(GL_TEXTURE_BUFFER, format, result.buffer.name());
-    return result;
-}
 
 void bind(const Gl& gl, int unit, GLenum target, GLuint texture) {
     gl.ActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
     gl.BindTexture(target, texture);
 }
 
-enum Unit : int { base_color_unit, emission_unit, transmission_unit, instances_unit, light_unit };
+enum Unit : int { base_color_unit, emission_unit, transmission_unit, instances_unit, light_unit, volume_unit };
 
 }  // namespace
 
@@ -41,8 +23,7 @@ LevelDrawing::LevelDrawing(const Gl& gl, const ShaderSources& shaders, const Sce
     : gl_(gl),
       mesh_(std::move(mesh)),
       textures_(gl, scene.name),
-      opaque_program_(compile_program(gl, shaders, "level.vert", "level_opaque.frag")),
-      see_through_program_(compile_program(gl, shaders, "level.vert", "level_see_through.frag")),
+      programs_(gl, shaders, "level.vert", "level.frag"),
       vertex_array_(make_vertex_array(gl)),
       vertices_(make_buffer(gl)),
       indices_(make_buffer(gl)) {
@@ -97,14 +78,14 @@ LevelDrawing::LevelDrawing(const Gl& gl, const ShaderSources& shaders, const Sce
         const glm::mat3x4 transposed = glm::transpose(to_level);
         for (int row = 0; row < 3; ++row) rows.push_back(transposed[row]);
     }
-    instances_ = make_texel_buffer(gl, GL_RGBA32F, rows, scene.name);
+    instances_ = make_texel_buffer(gl, rows, scene.name);
     check_gl(gl, "uploading the level");
 }
 
 TexelBuffer LevelDrawing::make_light_table(std::span<const VertexLight> light) const {
     static_assert(sizeof(VertexLight) == 2 * sizeof(glm::vec4));
     const std::span texels(reinterpret_cast<const glm::vec4*>(light.data()), 2 * light.size());
-    return make_texel_buffer(gl_, GL_RGBA32F, texels, "the level's light");
+    return make_texel_buffer(gl_, texels, "the level's light");
 }
 
 void LevelDrawing::set_eye(const Uniforms& uniforms, const Eye& eye, const Light& light) const {
@@ -120,6 +101,9 @@ void LevelDrawing::set_eye(const Uniforms& uniforms, const Eye& eye, const Light
     uniforms.set("light_scale", eye.exposure * light.gain * std::numbers::inv_pi_v<float>);
     bind(gl_, instances_unit, GL_TEXTURE_BUFFER, instances_.texture.name());
     bind(gl_, light_unit, GL_TEXTURE_BUFFER, by_vertex ? light.table->texture.name() : instances_.texture.name());
+    if (light.kind == LevelLight::pixel) set_pixel_light(gl_, uniforms, light.pixel, volume_unit);
+    if (light.shadow) set_shadow(uniforms, *light.shadow);
+    if (light.colors) set_false_colors(uniforms, *light.colors);
 }
 
 void LevelDrawing::set_material(const Uniforms& uniforms, const Surface& surface, float exposure) const {
@@ -134,6 +118,18 @@ void LevelDrawing::set_material(const Uniforms& uniforms, const Surface& surface
     uniforms.set("alpha_cutoff", material.alpha_mode == AlphaMode::mask ? material.alpha_cutoff : -1.0F);
     uniforms.set("blend", material.alpha_mode == AlphaMode::blend ? 1 : 0);
     uniforms.set("transmission", material.transmission);
+}
+
+const Program& LevelDrawing::program(Shader shader, const Light& light, bool with_shadow) {
+    std::vector<std::string> defines;
+    if (shader == Shader::see_through) defines.emplace_back("SEE_THROUGH");
+    if (light.kind == LevelLight::pixel) {
+        defines.emplace_back("PIXEL_LIGHT");
+        if (light.pixel.filter == Filter::nearest) defines.emplace_back("NEAREST");
+    }
+    if (with_shadow) defines.emplace_back("SHADOW");
+    if (light.colors) defines.emplace_back("FALSE_COLORS");
+    return programs_.with(defines);
 }
 
 void LevelDrawing::draw(const Program& program, std::span<const std::size_t> draws, const Eye& eye,
@@ -169,12 +165,22 @@ void LevelDrawing::draw(const Program& program, std::span<const std::size_t> dra
     gl_.BindVertexArray(0);
 }
 
-void LevelDrawing::draw_opaque(const Eye& eye, const Light& light) const {
-    draw(opaque_program_, opaque_, eye, light);
-    if (!cut_out_.empty()) draw(see_through_program_, cut_out_, eye, light);
+void LevelDrawing::draw_opaque(const Eye& eye, const Light& light) {
+    for (const auto& [shader, draws] :
+         {std::pair(Shader::opaque, &opaque_), std::pair(Shader::see_through, &cut_out_)}) {
+        // Most of a level is out of the shadow's reach and spared its cost.
+        std::vector<std::size_t> shaded;
+        std::vector<std::size_t> others;
+        for (const std::size_t i : *draws) {
+            const bool reached = light.shadow && light.shadow->reaches(mesh_.draws[i].bounds);
+            (reached ? shaded : others).push_back(i);
+        }
+        if (!others.empty()) draw(program(shader, light, false), others, eye, light);
+        if (!shaded.empty()) draw(program(shader, light, true), shaded, eye, light);
+    }
 }
 
-void LevelDrawing::draw_blended(const Eye& eye, const Light& light) const {
+void LevelDrawing::draw_blended(const Eye& eye, const Light& light) {
     if (blended_.empty()) return;
     std::vector<std::size_t> farthest_first = blended_;
     const auto distance = [&](std::size_t i) {
@@ -185,7 +191,7 @@ void LevelDrawing::draw_blended(const Eye& eye, const Light& light) const {
     gl_.Enable(GL_BLEND);
     gl_.BlendFunc(GL_ONE, GL_SRC1_COLOR);
     gl_.DepthMask(GL_FALSE);
-    draw(see_through_program_, farthest_first, eye, light);
+    draw(program(Shader::see_through, light, light.shadow.has_value()), farthest_first, eye, light);
     gl_.DepthMask(GL_TRUE);
     gl_.Disable(GL_BLEND);
 }

@@ -2,24 +2,24 @@
 
 #include "core/scene.h"
 #include "viewer/eye.h"
+#include "viewer/false_colors.h"
 #include "viewer/gl_objects.h"
 #include "viewer/level_mesh.h"
 #include "viewer/material_textures.h"
+#include "viewer/object_shadow.h"
+#include "viewer/pixel_light.h"
 #include "viewer/settings.h"
 #include "viewer/shader.h"
+#include "viewer/texel_buffer.h"
 
 #include <glm/glm.hpp>
 
+#include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 namespace lightgrid {
-
-/// A buffer that shaders read texel by texel.
-struct TexelBuffer {
-    Buffer buffer;
-    GlTexture texture;
-};
 
 /// The level on the card: base colour, alpha, transmission and emission, lit by a table of light at its vertices.
 class LevelDrawing {
@@ -38,15 +38,18 @@ class LevelDrawing {
     [[nodiscard]] TexelBuffer make_light_table(std::span<const VertexLight> light) const;
 
     struct Light {
-        const TexelBuffer* table = nullptr;  // for LevelLight::vertex
-        glm::vec3 constant{0};               // lux, for LevelLight::constant
         LevelLight kind = LevelLight::none;
+        glm::vec3 constant{0};               // lux, for LevelLight::constant
+        const TexelBuffer* table = nullptr;  // for LevelLight::vertex
+        PixelLight pixel{};                  // for LevelLight::pixel
         float gain = 1;
+        std::optional<ObjectShadow> shadow{};
+        std::optional<FalseColors> colors{};  // in the place of what is lit
     };
     /// What hides what is behind it, but where MASK cuts it away; writes depth.
-    void draw_opaque(const Eye& eye, const Light& light) const;
+    void draw_opaque(const Eye& eye, const Light& light);
     /// What lets light through, over what has been drawn, the farthest first.
-    void draw_blended(const Eye& eye, const Light& light) const;
+    void draw_blended(const Eye& eye, const Light& light);
 
   private:
     struct Surface {
@@ -57,6 +60,9 @@ class LevelDrawing {
         bool front_only = false;
     };
 
+    enum class Shader : std::uint8_t { opaque, see_through };
+    /// The program for this light, with the shadow or without.
+    [[nodiscard]] const Program& program(Shader shader, const Light& light, bool with_shadow);
     void draw(const Program& program, std::span<const std::size_t> draws, const Eye& eye, const Light& light) const;
     void set_eye(const Uniforms& uniforms, const Eye& eye, const Light& light) const;
     void set_material(const Uniforms& uniforms, const Surface& surface, float exposure) const;
@@ -68,8 +74,7 @@ class LevelDrawing {
     std::vector<std::size_t> opaque_;   // of the mesh's draws, by material
     std::vector<std::size_t> cut_out_;  // likewise: MASK
     std::vector<std::size_t> blended_;  // BLEND and transmission
-    Program opaque_program_;
-    Program see_through_program_;
+    ShaderVariants programs_;
     VertexArray vertex_array_;
     Buffer vertices_;
     Buffer indices_;

@@ -5,10 +5,12 @@
 #include "viewer/look_up.h"
 #include "viewer/material_textures.h"
 #include "viewer/object.h"
+#include "viewer/pixel_light.h"
 #include "viewer/shader.h"
 
 #include <glm/glm.hpp>
 
+#include <optional>
 #include <vector>
 
 namespace lightgrid {
@@ -20,14 +22,21 @@ struct ObjectPlace {
     float size = 1;  // of its longest side, metres
 };
 
-/// An object with the colours of its materials, lit as a whole by one look-up. MASK cuts; BLEND and transmission are
-/// drawn as if opaque.
+/// The light of an object.
+struct ObjectLighting {
+    Sh36 radiance{};  // at its centre, deringed where wanted: of the object as a whole; self-shadowing of three bands
+    std::optional<PixelLight> pixel{};  // in its place
+    bool self_shadowing = false;        // by transfer.h
+    float gain = 1;
+};
+
+/// An object with the colours of its materials. MASK cuts; BLEND and transmission are drawn as if opaque.
 class ObjectDrawing {
   public:
-    ObjectDrawing(const Gl& gl, const ShaderSources& shaders, const ObjectMesh& mesh);
+    ObjectDrawing(const Gl& gl, const ShaderSources& shaders, ObjectMesh mesh);
 
-    /// irradiance  see irradiance_sh(); times gain
-    void draw(const Eye& eye, const ObjectPlace& place, const Sh36& irradiance) const;
+    /// The first time with self-shadowing, it traces the object's transfer: seconds, for some 100,000 vertices.
+    void draw(const Eye& eye, const ObjectPlace& place, const ObjectLighting& light);
 
   private:
     struct Part {
@@ -37,13 +46,17 @@ class ObjectDrawing {
         GLuint emission = 0;
     };
 
+    void prepare_transfer();
+
     const Gl& gl_;
+    std::optional<ObjectMesh> mesh_;  // until its transfer is known
     MaterialTextures textures_;
     std::vector<Part> parts_;
-    Program program_;
+    ShaderVariants programs_;
     VertexArray vertex_array_;
     Buffer vertices_;
     Buffer indices_;
+    Buffer transfer_;
 };
 
 }  // namespace lightgrid

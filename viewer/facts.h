@@ -24,7 +24,7 @@ struct ClickedLight {
     std::uint32_t samples = 0;  // rays of the reference so far; 0: none yet
     bool last = false;
     LightComparison irradiance;  // on what faces the eye there
-    Sh36 volume{};               // irradiance for all normals
+    Sh36 volume{};               // radiance
     Sh36 reference{};
 };
 

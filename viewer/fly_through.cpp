@@ -8,6 +8,7 @@
 #include "probes/volume_file.h"
 #include "tools/light_options.h"
 #include "tools/program.h"
+#include "viewer/controls.h"
 #include "viewer/default_flight.h"
 #include "viewer/headless.h"
 #include "viewer/interactive.h"
@@ -47,6 +48,7 @@ struct Call {
     std::optional<int> frames;
     std::string size = "1280x720";
     std::string shaders;
+    std::string press;
     bool quiet = false;
 };
 
@@ -115,6 +117,9 @@ void add_options(CLI::App& app, Call& call) {
         ->capture_default_str();
     app.add_option("--shaders", call.shaders, "Takes shaders from this folder that have the name of a built-in one")
         ->type_name("DIR");
+    app.add_option("--press", call.press, "Starts with the settings that these keys switch to (help: F1 in the window)")
+        ->type_name("KEYS")
+        ->check(checked([](const std::string& text) { static_cast<void>(settings_after(text)); }));
     add_light_options(app, call.light);
 
     const char* pictures = "Pictures without a display";
@@ -215,6 +220,7 @@ fs::path prepare_folder(const std::string& name) {
 
 Session first_session(const Call& call) {
     Session session;
+    session.settings = settings_after(call.press);
     session.split = !call.comparison.empty();
     if (session.split) session.comparison = parse_comparison(call.comparison);
     session.settings.bands = call.bands.value_or(session.settings.bands);

@@ -36,6 +36,7 @@ namespace lightgrid {
     X(PFNGLDEPTHMASKPROC, DepthMask)                                     \
     X(PFNGLDISABLEPROC, Disable)                                         \
     X(PFNGLDRAWARRAYSPROC, DrawArrays)                                   \
+    X(PFNGLDRAWARRAYSINSTANCEDPROC, DrawArraysInstanced)                 \
     X(PFNGLDRAWELEMENTSPROC, DrawElements)                               \
     X(PFNGLDRAWELEMENTSINSTANCEDPROC, DrawElementsInstanced)             \
     X(PFNGLENABLEPROC, Enable)                                           \

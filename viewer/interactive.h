@@ -3,6 +3,7 @@
 #include "viewer/environment_stage.h"
 #include "viewer/level_stage.h"
 #include "viewer/object.h"
+#include "viewer/settings.h"
 #include "viewer/shader.h"
 
 #include <glm/glm.hpp>

@@ -236,6 +236,10 @@ void split_into_parts(const Welded& surface, std::span<glm::uvec3> triangles,
     split_into_parts(surface, triangles.subspan(static_cast<std::size_t>(half)), parts);
 }
 
+glm::vec4 light_on(const LookUp& look_up, glm::dvec3 position, glm::vec3 normal) {
+    return {surface_irradiance(look_up, position, normal), surface_error(look_up, position, normal)};
+}
+
 }  // namespace
 
 LevelMesh build_level_mesh(const Scene& scene, double longest_edge, std::uint32_t most_rows) {
@@ -325,8 +329,8 @@ std::vector<VertexLight> light_level(const LevelMesh& mesh, glm::dvec3 origin, c
                 const LevelVertex& vertex = mesh.vertices[draw.first_vertex + v];
                 const glm::dvec3 position = origin + glm::dvec3(to_level * glm::vec4(vertex.position, 1));
                 const glm::vec3 normal = glm::normalize(normals * unpacked(vertex.normal));
-                light[first + v].front = glm::vec4(surface_irradiance(look_up, position, normal), 0);
-                light[first + v].back = glm::vec4(surface_irradiance(look_up, position, -normal), 0);
+                light[first + v].front = light_on(look_up, position, normal);
+                light[first + v].back = light_on(look_up, position, -normal);
             });
         }
     }

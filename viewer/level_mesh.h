@@ -64,9 +64,10 @@ inline constexpr double level_crease_deg = 40;
 [[nodiscard]] LevelMesh build_level_mesh(const Scene& scene, double longest_edge,
                                          std::uint32_t most_rows = most_light_rows);
 
-/// Irradiance on both sides of a surface at a vertex, lux, not negative.
+/// Irradiance on both sides of a surface at a vertex, lux, not negative, and its standard error (surface_error): as the
+/// card's table has it.
 struct VertexLight {
-    glm::vec4 front{0};  // w is padding: as the card's table has it
+    glm::vec4 front{0};
     glm::vec4 back{0};
 };
 

@@ -152,10 +152,11 @@ std::optional<ClickedLight> LevelStage::clicked_light() const {
     clicked.last = light.last;
     const LookUp from = look_up(*volume_, session_.settings);
     const double bias = clicked_surface_ ? from.normal_bias : 0;
-    clicked.volume = irradiance_sh(all_radiance_sh(from, light.position + bias * glm::dvec3(light.normal)),
-                                   session_.settings.dering && !clicked_surface_);
-    clicked.reference = irradiance_sh(means(light.sh), false);
-    clicked.irradiance = compare(light, glm::max(evaluate_sh(clicked.volume, light.normal), 0.0F));
+    clicked.volume = all_radiance_sh(from, light.position + bias * glm::dvec3(light.normal));
+    if (session_.settings.dering && !clicked_surface_) clicked.volume = deringed(clicked.volume);
+    clicked.reference = means(light.sh);
+    clicked.irradiance =
+        compare(light, glm::max(irradiance_from_sh(std::span<const glm::vec3>(clicked.volume), light.normal), 0.0F));
     return clicked;
 }
 

@@ -12,6 +12,9 @@
 namespace lightgrid {
 namespace {
 
+/// Of the volume's usual light: errors are no larger a share of darker places' light than of this.
+constexpr float darkest_share = 0.01F;
+
 double finest_spacing_of(const Volume& volume) {
     double finest = std::numeric_limits<double>::infinity();
     for (const Grid& grid : volume.grids) {
@@ -43,13 +46,7 @@ glm::vec3 usual_light_of(const Volume& volume) {
 template <std::size_t Size>
 std::array<glm::vec3, Size> radiance_of_size(const LookUp& from, glm::dvec3 position) {
     const Volume& volume = from.volume->volume;
-    Sampler::Corners corners = from.volume->sampler.corners(position);
-    if (from.filter == Filter::nearest && corners.count > 0) {
-        const auto nearest = std::max_element(corners.weights.begin(), corners.weights.begin() + corners.count);
-        corners.slots[0] = corners.slots[static_cast<std::size_t>(nearest - corners.weights.begin())];
-        corners.weights[0] = 1;
-        corners.count = 1;
-    }
+    const Sampler::Corners corners = corners_of(from, position);
     std::array<glm::vec3, Size> sh{};
     const std::size_t used = std::min(Size, static_cast<std::size_t>(sh_size(std::min(from.bands, volume.bands))));
     for (int c = 0; c < corners.count; ++c) {
@@ -72,6 +69,17 @@ LookUp look_up(const LitVolume& volume, const Settings& settings) {
             .bands = settings.bands};
 }
 
+Sampler::Corners corners_of(const LookUp& from, glm::dvec3 position) {
+    Sampler::Corners corners = from.volume->sampler.corners(position);
+    if (from.filter == Filter::nearest && corners.count > 0) {
+        const auto nearest = std::max_element(corners.weights.begin(), corners.weights.begin() + corners.count);
+        corners.slots[0] = corners.slots[static_cast<std::size_t>(nearest - corners.weights.begin())];
+        corners.weights[0] = 1;
+        corners.count = 1;
+    }
+    return corners;
+}
+
 Sh9 radiance_sh(const LookUp& from, glm::dvec3 position) {
     return radiance_of_size<std::tuple_size_v<Sh9>>(from, position);
 }
@@ -80,12 +88,10 @@ Sh36 all_radiance_sh(const LookUp& from, glm::dvec3 position) {
     return radiance_of_size<std::tuple_size_v<Sh36>>(from, position);
 }
 
-Sh36 irradiance_sh(const Sh36& radiance, bool dering) {
+Sh36 deringed(const Sh36& radiance) {
     Sh36 sh = radiance;
-    // Deringing costs as the cube of the bands.
-    const std::span<glm::vec3> used = std::span(sh).first(static_cast<std::size_t>(sh_size(used_bands(sh))));
-    if (dering) dering_sh(used);
-    convolve_with_cosine(used);
+    // It costs as the cube of the bands.
+    dering_sh(std::span(sh).first(static_cast<std::size_t>(sh_size(used_bands(sh)))));
     return sh;
 }
 
@@ -94,15 +100,29 @@ int used_bands(const Sh36& sh) {
     return std::max(sh_bands(static_cast<std::size_t>(sh.rend() - last)), 1);
 }
 
-Sh36 first_bands(const Sh36& sh, int bands) {
-    Sh36 result = sh;
-    for (auto i = static_cast<std::size_t>(sh_size(bands)); i < result.size(); ++i) result[i] = glm::vec3(0);
-    return result;
-}
-
 glm::vec3 surface_irradiance(const LookUp& from, glm::dvec3 position, glm::vec3 normal) {
     const glm::dvec3 off = position + static_cast<double>(from.normal_bias) * glm::dvec3(normal);
     return glm::max(irradiance_from_sh(radiance_sh(from, off), normal), 0.0F);
+}
+
+float surface_error(const LookUp& from, glm::dvec3 position, glm::vec3 normal) {
+    const Volume& volume = from.volume->volume;
+    const glm::dvec3 off = position + static_cast<double>(from.normal_bias) * glm::dvec3(normal);
+    const Sampler::Corners corners = corners_of(from, off);
+    double variance = 0;
+    float mean = 0;
+    for (int c = 0; c < corners.count; ++c) {
+        const std::size_t slot = corners.slots[static_cast<std::size_t>(c)];
+        const auto weight = static_cast<double>(corners.weights[static_cast<std::size_t>(c)]);
+        mean += static_cast<float>(weight) * luminance(mean_of(volume.sh(slot)[0]));
+        for (std::size_t axis = 0; axis < axis_normals.size(); ++axis) {
+            const auto cosine = static_cast<double>(std::max(glm::dot(axis_normals[axis], normal), 0.0F));
+            const auto error = static_cast<double>(luminance(volume.axis_errors[axis_normals.size() * slot + axis]));
+            variance += weight * weight * cosine * cosine * error * error;
+        }
+    }
+    const float light = std::max(mean, darkest_share * luminance(from.volume->usual_light));
+    return light > 0 ? static_cast<float>(std::sqrt(variance)) / light : 0.0F;
 }
 
 glm::vec3 mean_irradiance_at(const LookUp& from, glm::dvec3 position) {

@@ -39,6 +39,9 @@ inline constexpr double bias_in_cells = 0.3;
 
 [[nodiscard]] LookUp look_up(const LitVolume& volume, const Settings& settings);
 
+/// The probes that answer at `position`.
+[[nodiscard]] Sampler::Corners corners_of(const LookUp& from, glm::dvec3 position);
+
 /// Coefficients of three bands, or of as many as the viewer shows; those of bands that are not used are zero.
 using Sh9 = std::array<glm::vec3, 9>;
 using Sh36 = std::array<glm::vec3, 36>;
@@ -49,18 +52,19 @@ static_assert(std::tuple_size_v<Sh36> == most_bands * most_bands);
 /// The same with all bands.
 [[nodiscard]] Sh36 all_radiance_sh(const LookUp& from, glm::dvec3 position);
 
-/// Irradiance that an object gets as a whole, E(n) = sum_i values_i Y_i(n), from the radiance that arrives at it.
-///
-/// dering  windowed so that no normal gets negative light (dering_sh)
-[[nodiscard]] Sh36 irradiance_sh(const Sh36& radiance, bool dering);
+/// Windowed so that no normal gets negative light (dering_sh).
+[[nodiscard]] Sh36 deringed(const Sh36& radiance);
 
 /// Up to the last that is not zero; at least 1.
 [[nodiscard]] int used_bands(const Sh36& sh);
-/// The others set to zero.
-[[nodiscard]] Sh36 first_bands(const Sh36& sh, int bands);
 
 /// Irradiance on a surface, lux, not negative, looked up `normal_bias` away from it.
 [[nodiscard]] glm::vec3 surface_irradiance(const LookUp& from, glm::dvec3 position, glm::vec3 normal);
+
+/// Standard error of surface_irradiance by luminance, as a share of the mean irradiance there (of 1 % of the volume's
+/// usual light where that is more). Between the axes along which it is stored, variances are mixed by the squares of the
+/// normal's components; probes err each on its own, colours together.
+[[nodiscard]] float surface_error(const LookUp& from, glm::dvec3 position, glm::vec3 normal);
 
 /// Mean of the irradiance over all normals: a quarter of the scalar irradiance, lux.
 [[nodiscard]] glm::vec3 mean_irradiance_at(const LookUp& from, glm::dvec3 position);

@@ -1,5 +1,7 @@
 #include "viewer/overlay_panel.h"
 
+#include "tools/false_color.h"
+
 #include <fmt/format.h>
 #include <imgui.h>
 #include <imgui_stdlib.h>
@@ -130,10 +132,10 @@ void lay_out_environment(const Panel& panel) {
 void lay_out_light(const Panel& panel) {
     Settings& settings = panel.session.settings;
     if (!panel.session.environment) {
-        constexpr std::array level{"none", "constant", "per vertex"};
+        constexpr std::array level{"none", "constant", "per vertex", "per pixel"};
         choose(with_key("level", Action::level_light), settings.level_light, level);
     }
-    constexpr std::array object{"constant", "look-up", "path-traced"};
+    constexpr std::array object{"constant", "one look-up", "per pixel", "path-traced"};
     choose(with_key("object", Action::object_light), settings.object_light, object);
     if (settings.object_light == ObjectLight::reference && !panel.facts.object_reference.empty()) {
         number("reference", panel.facts.object_reference);
@@ -143,9 +145,51 @@ void lay_out_light(const Panel& panel) {
     ImGui::SliderInt(with_key("bands", Action::bands).c_str(), &settings.bands, 1, panel.session.bands, "%d",
                      ImGuiSliderFlags_AlwaysClamp);
     ImGui::Checkbox(with_key("deringed", Action::dering).c_str(), &settings.dering);
+    ImGui::Checkbox(with_key("self-shadowing", Action::self_shadowing).c_str(), &settings.self_shadowing);
+    if (!panel.session.environment) {
+        ImGui::Checkbox(with_key("contact shadow", Action::contact_shadow).c_str(), &settings.contact_shadow);
+    }
     ImGui::Checkbox(with_key("rounded to half", Action::half).c_str(), &settings.half);
     float stops = std::log2(settings.gain);
     if (ImGui::SliderFloat("gain (, .)", &stops, -8, 8, "%+.2f stops")) settings.gain = std::exp2(stops);
+}
+
+ImVec4 color_of(ProbeState state) {
+    const glm::vec3 color = state_color(state);
+    return {color.r, color.g, color.b, 1};
+}
+
+/// What the rims of probes mean.
+void lay_out_states() {
+    for (const auto& [state, name] :
+         {std::pair(ProbeState::valid, "valid"), std::pair(ProbeState::moved, "moved"),
+          std::pair(ProbeState::filled, "filled"), std::pair(ProbeState::missing, "missing")}) {
+        if (state != ProbeState::valid) ImGui::SameLine();
+        ImGui::TextColored(color_of(state), "%s", name);
+    }
+}
+
+/// Of the probes that answer, four a line.
+void lay_out_weights(const LookUp& from, glm::dvec3 position) {
+    const Sampler::Corners corners = corners_of(from, position);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(corners.count); ++i) {
+        if (i % 4 != 0) ImGui::SameLine();
+        ImGui::TextColored(color_of(from.volume->volume.states[corners.slots[i]]), "%5.1f %%",
+                           100.0 * static_cast<double>(corners.weights[i]));
+    }
+}
+
+void lay_out_data(const Panel& panel) {
+    Settings& settings = panel.session.settings;
+    constexpr std::array colors{"as it looks", "irradiance", "standard error"};
+    choose(with_key("level", Action::level_colors), settings.level_colors, colors);
+    constexpr std::array probes{"none", "in sight", "through walls"};
+    choose(with_key("probes", Action::probes), settings.probes, probes);
+    if (settings.probes != ProbesShown::none) lay_out_states();
+    ImGui::Checkbox(with_key("the object's cell", Action::cell).c_str(), &settings.show_cell);
+    if (settings.show_cell && panel.facts.volume != nullptr) {
+        lay_out_weights(look_up(*panel.facts.volume, settings), panel.session.object.position);
+    }
 }
 
 void lay_out_picture(const Panel& panel) {
@@ -218,6 +262,7 @@ void lay_out_panel(Session& session, const Facts& facts, PanelText& text, Reques
     if (section("Statistics")) lay_out_statistics(facts);
     if (session.environment && facts.environment && section("Environment")) lay_out_environment(panel);
     if (section("Light")) lay_out_light(panel);
+    if (!session.environment && section("Data")) lay_out_data(panel);
     if (section("Compare")) lay_out_split(panel);
     if (section("Picture")) lay_out_picture(panel);
     if (section("Flight")) lay_out_flight(panel);

@@ -3,7 +3,10 @@
 #include "core/environment.h"
 #include "core/scene.h"
 #include "viewer/draw_background.h"
+#include "viewer/draw_balls.h"
+#include "viewer/draw_label.h"
 #include "viewer/draw_level.h"
+#include "viewer/draw_lines.h"
 #include "viewer/draw_object.h"
 #include "viewer/picture_target.h"
 
@@ -70,12 +73,23 @@ class Renderer {
         TexelBuffer table;
         std::size_t bytes = 0;
     };
+    /// A volume in its two forms of storage; what is made of them when it is first asked for.
+    struct Stored {
+        std::shared_ptr<const LitVolume> volume{};
+        std::optional<VolumeOnCard> on_card{};
+        std::optional<BallTable> probes{};
+    };
 
     void draw_pane(const Frame& frame, const Pane& pane);
+    void draw_object(const Eye& eye, const Frame& frame, const Settings& settings, const LookUp& light);
+    void draw_data(const Eye& eye, const Frame& frame, const Settings& settings, const LookUp& light);
+    void draw_legend(const Pane& pane);
     /// The volume as `settings` want it stored.
-    [[nodiscard]] const LitVolume* volume(const Settings& settings);
+    [[nodiscard]] Stored& stored(const Settings& settings);
     [[nodiscard]] LookUp look_up_with(const Settings& settings);
     [[nodiscard]] const TexelBuffer& light_table(const Settings& settings);
+    [[nodiscard]] PixelLight pixel_light(const Settings& settings, const LookUp& light);
+    [[nodiscard]] LevelDrawing::Light level_light(const Frame& frame, const Settings& settings, const LookUp& light);
 
     const Gl& gl_;
     ShaderSources shaders_;
@@ -84,9 +98,14 @@ class Renderer {
     std::optional<LevelDrawing> level_;
     std::optional<ObjectDrawing> object_;
     glm::dvec3 origin_{0};
-    std::shared_ptr<const LitVolume> volume_;
-    std::shared_ptr<const LitVolume> half_volume_;  // made when first asked for
+    BallDrawing balls_;
+    LineDrawing lines_;
+    Stored as_baked_;
+    Stored as_half_;
     std::vector<LightTable> light_tables_;
+    std::optional<LightScales> scales_;  // of the first light table of the volume
+    std::optional<LabelDrawing> irradiance_legend_;
+    std::optional<LabelDrawing> error_legend_;
     float exposure_ = 1;
     std::size_t look_ups_ = 0;
 };

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <regex>
 #include <sstream>
+#include <utility>
 
 namespace lightgrid {
 namespace {
@@ -17,6 +18,12 @@ std::string included_name(const std::string& line) {
     static const std::regex include(R"re(\s*#\s*include\s+"([^"]+)"\s*)re");
     std::smatch match;
     return std::regex_match(line, match, include) ? match[1].str() : std::string();
+}
+
+/// #endif, #else and #elif.
+bool ends_part(const std::string& line) {
+    static const std::regex end(R"(\s*#\s*(endif|else|elif)\b.*)");
+    return std::regex_match(line, end);
 }
 
 void append(const ShaderSources& sources, const std::string& name, ExpandedShader& out) {
@@ -29,6 +36,8 @@ void append(const ShaderSources& sources, const std::string& name, ExpandedShade
         const std::string included = included_name(line);
         if (included.empty()) {
             out.text += line + "\n";
+            // An include that is skipped takes its directives with it.
+            if (ends_part(line)) out.text += fmt::format("#line {}\n", lines_per_file * number + at + 1);
             continue;
         }
         if (!sources.contains(included)) {
@@ -41,9 +50,19 @@ void append(const ShaderSources& sources, const std::string& name, ExpandedShade
     }
 }
 
-Shader compile(const Gl& gl, const ShaderSources& sources, GLenum kind, const std::string& name) {
+/// Behind the first line, which says the version.
+void define(ExpandedShader& shader, std::span<const std::string> names) {
+    if (names.empty()) return;
+    std::string lines;
+    for (const std::string& name : names) lines += fmt::format("#define {}\n", name);
+    shader.text.insert(shader.text.find('\n') + 1, lines + "#line 2\n");
+}
+
+Shader compile(const Gl& gl, const ShaderSources& sources, GLenum kind, const std::string& name,
+               std::span<const std::string> defines) {
     if (!sources.contains(name)) throw Error("there is no such shader", name, {}, Fault::work);
-    const ExpandedShader expanded = expand_includes(sources, name);
+    ExpandedShader expanded = expand_includes(sources, name);
+    define(expanded, defines);
     Shader shader(gl, gl.CreateShader(kind));
     const char* text = expanded.text.c_str();
     gl.ShaderSource(shader.name(), 1, &text, nullptr);
@@ -103,9 +122,9 @@ std::string name_places(const std::string& log, const std::vector<std::string>& 
 }
 
 Program compile_program(const Gl& gl, const ShaderSources& sources, const std::string& vertex,
-                        const std::string& fragment) {
-    const Shader vertex_shader = compile(gl, sources, GL_VERTEX_SHADER, vertex);
-    const Shader fragment_shader = compile(gl, sources, GL_FRAGMENT_SHADER, fragment);
+                        const std::string& fragment, std::span<const std::string> defines) {
+    const Shader vertex_shader = compile(gl, sources, GL_VERTEX_SHADER, vertex, defines);
+    const Shader fragment_shader = compile(gl, sources, GL_FRAGMENT_SHADER, fragment, defines);
     Program program(gl, gl.CreateProgram());
     gl.AttachShader(program.name(), vertex_shader.name());
     gl.AttachShader(program.name(), fragment_shader.name());
@@ -123,6 +142,17 @@ Program compile_program(const Gl& gl, const ShaderSources& sources, const std::s
     gl.GetProgramInfoLog(program.name(), length, nullptr, log.data());
     log.erase(std::find(log.begin(), log.end(), '\0'), log.end());
     throw Error("do not link:\n" + log, fmt::format("shaders {} and {}", vertex, fragment));
+}
+
+ShaderVariants::ShaderVariants(const Gl& gl, ShaderSources sources, std::string vertex, std::string fragment)
+    : gl_(gl), sources_(std::move(sources)), vertex_(std::move(vertex)), fragment_(std::move(fragment)) {}
+
+const Program& ShaderVariants::with(const std::vector<std::string>& defines) {
+    auto known = programs_.find(defines);
+    if (known == programs_.end()) {
+        known = programs_.emplace(defines, compile_program(gl_, sources_, vertex_, fragment_, defines)).first;
+    }
+    return known->second;
 }
 
 }  // namespace lightgrid

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <map>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -36,8 +37,25 @@ inline constexpr int lines_per_file = 10'000;
 /// and "ERROR: 0:10012: ..." (AMD, Apple) all become "level.frag:12: ...".
 [[nodiscard]] std::string name_places(const std::string& log, const std::vector<std::string>& files);
 
-/// Compiles and links two of `sources`. Throws Error that names file and line, with the driver's words.
+/// Compiles and links two of `sources`, each of `defines` defined in both. Throws Error that names file and line, with the
+/// driver's words.
 [[nodiscard]] Program compile_program(const Gl& gl, const ShaderSources& sources, const std::string& vertex,
-                                      const std::string& fragment);
+                                      const std::string& fragment, std::span<const std::string> defines = {});
+
+/// Two shaders as programs that differ in what is defined, each compiled when it is first asked for.
+class ShaderVariants {
+  public:
+    ShaderVariants(const Gl& gl, ShaderSources sources, std::string vertex, std::string fragment);
+
+    /// Throws as compile_program does.
+    [[nodiscard]] const Program& with(const std::vector<std::string>& defines);
+
+  private:
+    const Gl& gl_;
+    ShaderSources sources_;
+    std::string vertex_;
+    std::string fragment_;
+    std::map<std::vector<std::string>, Program> programs_;
+};
 
 }  // namespace lightgrid

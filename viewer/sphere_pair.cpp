@@ -16,9 +16,9 @@ void SpherePair::draw(const Sh36& left, const Sh36& right, const Pose& pose, flo
     const glm::dmat4 view = glm::lookAt(-forward(pose), glm::dvec3(0), glm::dvec3(0, 1, 0));
     eye.clip_from_level = glm::mat4(glm::ortho(-half, half, -half, half, 0.1, 2.0) * view);
     gl_.Viewport(0, 0, size.y, size.y);
-    sphere_.draw(eye, {}, left);
+    sphere_.draw(eye, {}, {.radiance = left});
     gl_.Viewport(size.x - size.y, 0, size.y, size.y);
-    sphere_.draw(eye, {}, right);
+    sphere_.draw(eye, {}, {.radiance = right});
     target_.resolve();
     target_.develop({{0, 0}, size}, tone);
     check_gl(gl_, "drawing two spheres");

@@ -14,7 +14,7 @@ class SpherePair {
 
     SpherePair(const Gl& gl, const ShaderSources& shaders);
 
-    /// left, right  irradiance, see irradiance_sh()
+    /// left, right  radiance
     /// pose         seen from the same side as all else
     /// exposure     times gain
     void draw(const Sh36& left, const Sh36& right, const Pose& pose, float exposure, Tone tone);

@@ -147,9 +147,9 @@ TEST_F(FlyThrough, WarnsOfAVolumeThatNamesAnotherLevel) {
 
 TEST_F(FlyThrough, ABrokenShaderIsRefusedByFileAndLine) {
     fs::create_directory(folder() / "shaders");
-    write("shaders/level.glsl", "// one\n// two\nout vec4 color;\nvoid main() { color = nonsense; }\n");
+    write("shaders/level.frag", "#version 330 core\n// two\nout vec4 color;\nvoid main() { color = nonsense; }\n");
     expect_refused(cornell + " --headless --out frames --frames 1 --size 32x18 --quiet --shaders shaders",
-                   "level.glsl:4:");
+                   "level.frag:4:");
 }
 
 TEST_F(FlyThrough, WithoutADisplayItTellsOfHeadless) {
@@ -261,8 +261,8 @@ TEST_F(InAWindow, IsFlownResizedPhotographedAndClosed) {
         xdotool windowsize --sync $window 400 300
         xdotool keydown w keydown shift mousemove 150 90 mousedown 3 mousemove 200 110 mouseup 3 keyup shift keyup w
         xdotool mousemove 200 150 mousedown 1 mousemove 260 140 mouseup 1 click 4 click 5
-        xdotool key x key b key n key g key h key l key o key t key k key comma key period key minus key equal key f
-        xdotool key 2 key 4 key 1 key 3 key v key r
+        xdotool key x key b key n key g key h key l key o key t key u key k key comma key period key minus key equal key f
+        xdotool key 2 key 4 key 1 key 3 key i key j key v key z key c key r
         xdotool keydown s
         xdotool key F12
         wait_for cornell_0002.exr
@@ -288,8 +288,8 @@ TEST_F(InAWindow, ThePanelStandsBesideThePictureAndTabHidesIt) {
         wait_for cornell_0001.exr
         xdotool key Tab key F12
         wait_for cornell_0002.exr
-        xdotool key Tab key x key c key c key F1 key F1 mousemove 100 300 mousedown 1 mousemove 130 310 mouseup 1 click 5
-        xdotool key c key c mousemove 400 300 mousedown 1 mousemove 500 310 mouseup 1 key F12
+        xdotool key Tab key x key m key m key F1 key F1 mousemove 100 300 mousedown 1 mousemove 130 310 mouseup 1 click 5
+        xdotool key m key m mousemove 400 300 mousedown 1 mousemove 500 310 mouseup 1 key F12
         wait_for cornell_0003.exr
         xdotool windowsize --sync $window 1 1
         xdotool windowsize --sync $window 700 500
@@ -335,13 +335,13 @@ TEST_F(InAWindow, AnEnvironmentAloneIsTurnedAndExchanged) {
     const Result result = act("--environment skies/a.exr --size 320x180", R"(
         xdotool key F12
         wait_for a_0001.exr
-        xdotool keydown bracketright key b key k key b key x key c keyup bracketright key v
+        xdotool keydown bracketright key b key k key b key x key m keyup bracketright key i
         wait_for_word 'b.exr'
         xdotool key F12
         wait_for b_0001.exr
-        xdotool key v
+        xdotool key i
         wait_for_word 'c.exr'
-        xdotool key v
+        xdotool key i
         wait_for_word ': a.exr'
         xdotool key p key Escape)");
     EXPECT_EQ(result.status, 0) << result.err;

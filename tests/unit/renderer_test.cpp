@@ -163,10 +163,11 @@ TEST_F(Picture, AnObjectIsLitAsAWholeAndHidesWhatIsBehindIt) {
     sphere.materials[0].base_color = glm::vec3(0.8F);
     renderer_.set_object(sphere);
     frame_.object = ObjectPlace{.position = {0, 0, -1}, .size = 0.5F};
-    const RadianceImage image = draw();
+    Settings settings;
+    settings.contact_shadow = false;
+    const RadianceImage image = draw(settings);
     expect_light(image, 0.8F * light);
     expect_light(image, {0, 0}, 0.5F * light);
-    Settings settings;
     settings.show_object = false;
     expect_light(draw(settings), 0.5F * light);
 }
@@ -278,6 +279,7 @@ TEST_F(Picture, AnObjectIsLitByAllBandsAndByTheReferenceWhereThatIsAsked) {
     renderer_.set_volume(volume_of(sh));
     Settings settings;
     settings.dering = false;
+    settings.self_shadowing = false;
     settings.bands = most_bands;
     Pane pane{{glm::ivec2(0), size}, settings};
     const auto shown = [&] {

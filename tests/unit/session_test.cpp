@@ -72,9 +72,11 @@ TEST(Controls, WheelChangesTheSpeedAndBack) {
 
 TEST(Controls, SettingsComeRoundAgain) {
     for (const auto& [action, presses] :
-         {std::pair(Action::tone, 3), std::pair(Action::level_light, 3), std::pair(Action::object_light, 3),
+         {std::pair(Action::tone, 3), std::pair(Action::level_light, 4), std::pair(Action::object_light, 4),
           std::pair(Action::bands, 3), std::pair(Action::filter, 2), std::pair(Action::dering, 2),
-          std::pair(Action::half, 2), std::pair(Action::background, 3)}) {
+          std::pair(Action::half, 2), std::pair(Action::background, 3), std::pair(Action::contact_shadow, 2),
+          std::pair(Action::self_shadowing, 2), std::pair(Action::level_colors, 3), std::pair(Action::probes, 3),
+          std::pair(Action::cell, 2)}) {
         Settings settings;
         int changed = 0;
         for (int i = 0; i < presses; ++i) {
@@ -195,7 +197,7 @@ TEST(Session, SplitScreenShowsOneDifferenceOnSidesOfOneWidth) {
         }
         EXPECT_EQ(left, 801);
         EXPECT_EQ(sides[0].settings == sides[1].settings, session.comparison == Comparison::earlier);
-        press(session, Key::c);
+        press(session, Key::m);
     }
     EXPECT_EQ(session.comparison, Session().comparison) << "they come round again";
     EXPECT_EQ(panes_of(session, {1, 600}).size(), 1U) << "no room for two";
@@ -278,7 +280,7 @@ TEST(Session, ARecordedPathIsTheOneThatWasFlown) {
 TEST(Session, WhatIsForTheProgramIsPassedOn) {
     Session session;
     Input input;
-    input.pressed = {Key::f12, Key::digit_2, Key::b, Key::space, Key::f1, Key::tab, Key::v, Key::escape};
+    input.pressed = {Key::f12, Key::digit_2, Key::b, Key::space, Key::f1, Key::tab, Key::i, Key::escape};
     input.dropped = {"sky.hdr"};
     const Requests requests = step(session, input, 0.01, size);
     EXPECT_EQ(requests.actions,

@@ -56,6 +56,40 @@ TEST(Shader, IncludesAreNumberedAndPutInOnce) {
               "#line 4\nlast\n");
 }
 
+TEST(Shader, IncludesThatAreSkippedCountNoLines) {
+    const ShaderSources sources{
+        {"a.frag",
+         "#version 330 core\n#ifdef X\n#include \"b.glsl\"\n#endif\nout vec4 color;\nvoid main() { color = no; }\n"},
+        {"b.glsl", "one\ntwo\nthree\n"},
+        {"a.vert", "#version 330 core\nvoid main() { gl_Position = vec4(0.0); }\n"}};
+    const Headless surface;
+    try {
+        static_cast<void>(compile_program(surface.gl(), sources, "a.vert", "a.frag"));
+        FAIL() << "nothing was thrown";
+    } catch (const Error& error) {
+        EXPECT_NE(std::string(error.what()).find("a.frag:6:"), std::string::npos) << error.what();
+    }
+}
+
+TEST(Shader, VariantsDifferInWhatIsDefined) {
+    const Headless surface;
+    ShaderVariants variants(surface.gl(),
+                            {{"a.vert", "#version 330 core\nvoid main() { gl_Position = vec4(0.0); }\n"},
+                             {"a.frag",
+                              "#version 330 core\nout vec4 color;\nvoid main() {\n    color = vec4(0.0);\n"
+                              "#ifdef BROKEN\n    color = no;\n#endif\n}\n"}},
+                            "a.vert", "a.frag");
+    const GLuint plain = variants.with({}).name();
+    EXPECT_EQ(variants.with({}).name(), plain);
+    EXPECT_NE(variants.with({"OTHER"}).name(), plain);
+    try {
+        static_cast<void>(variants.with({"OTHER", "BROKEN"}));
+        FAIL() << "nothing was thrown";
+    } catch (const Error& error) {
+        EXPECT_NE(std::string(error.what()).find("a.frag:6:"), std::string::npos) << error.what();
+    }
+}
+
 TEST(Shader, AnIncludeThatIsNotThereIsNamedWithItsLine) {
     const ShaderSources sources{{"a.frag", "#version 330 core\n\n  # include  \"gone.glsl\"\n"}};
     try {

@@ -1,6 +1,6 @@
 #version 330 core
 // A vertex of the level. Its light, front and back, is two texels of a table with a row for each vertex of each
-// instance.
+// instance: irradiance, and its standard error as a share of it.
 uniform mat4 clip_from_level;
 uniform samplerBuffer instances;  // three texels each: the rows of a 3 x 4 matrix
 uniform samplerBuffer light_table;
@@ -9,7 +9,6 @@ uniform int first_light;  // row of vertex 0 of the first instance; may be negat
 uniform int light_stride;
 uniform bool lit_by_vertex;
 uniform vec3 constant_light;
-uniform float light_scale;  // exposure x gain / pi: from irradiance to what a white surface shows
 
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
@@ -22,26 +21,31 @@ out vec2 base_color_at;
 out vec2 emission_at;
 out vec2 transmission_at;
 out vec4 vertex_color;
-out vec3 light_in_front;
-out vec3 light_behind;
+out vec3 at;
+out vec3 front;  // normal of that side
+out vec4 light_in_front;
+out vec4 light_behind;
 
 void main() {
     int row = 3 * (first_instance + gl_InstanceID);
-    vec4 at = vec4(position, 1.0);
-    vec3 in_level = vec3(dot(texelFetch(instances, row), at), dot(texelFetch(instances, row + 1), at),
-                         dot(texelFetch(instances, row + 2), at));
-    gl_Position = clip_from_level * vec4(in_level, 1.0);
+    vec4 x = texelFetch(instances, row);
+    vec4 y = texelFetch(instances, row + 1);
+    vec4 z = texelFetch(instances, row + 2);
+    at = vec3(dot(x, vec4(position, 1.0)), dot(y, vec4(position, 1.0)), dot(z, vec4(position, 1.0)));
+    // Normals turn as planes do: by the transposed inverse, here but for a positive factor.
+    vec3 yz = cross(y.xyz, z.xyz);
+    front = vec3(dot(yz, normal), dot(cross(z.xyz, x.xyz), normal), dot(cross(x.xyz, y.xyz), normal));
+    front = normalize(dot(x.xyz, yz) < 0.0 ? -front : front);
+    gl_Position = clip_from_level * vec4(at, 1.0);
     base_color_at = base_color_uv;
     emission_at = emission_uv;
     transmission_at = transmission_uv;
     vertex_color = color;
-    light_in_front = constant_light;
-    light_behind = constant_light;
+    light_in_front = vec4(constant_light, 0.0);
+    light_behind = light_in_front;
     if (lit_by_vertex) {
         int texel = 2 * (first_light + gl_InstanceID * light_stride + gl_VertexID);
-        light_in_front = texelFetch(light_table, texel).rgb;
-        light_behind = texelFetch(light_table, texel + 1).rgb;
+        light_in_front = texelFetch(light_table, texel);
+        light_behind = texelFetch(light_table, texel + 1);
     }
-    light_in_front *= light_scale;
-    light_behind *= light_scale;
 }

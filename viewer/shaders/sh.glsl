@@ -5,14 +5,12 @@ vec3 evaluate_sh(vec3 c[9], vec3 n) {
            0.315392 * (3.0 * n.z * n.z - 1.0) * c[6] + 0.546274 * (n.x * n.x - n.y * n.y) * c[8];
 }
 
-// Of up to six bands; only the first three are read where there are no more.
-vec3 evaluate_sh(vec3 c[36], int bands, vec3 n) {
-    vec3 sum = evaluate_sh(vec3[9](c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7], c[8]), n);
-    if (bands <= 3) return sum;
+// What bands 4 to 6 add.
+vec3 evaluate_higher_sh(vec3 c[36], vec3 n) {
     float x = n.x, y = n.y, z = n.z;
     float xx = x * x, yy = y * y, zz = z * z, xy = x * y;
     float cos2 = xx - yy, sin3 = y * (3.0 * xx - yy), cos3 = x * (xx - 3.0 * yy);  // of m azimuths, times sin^m
-    sum += 0.590044 * (sin3 * c[9] + cos3 * c[15]) + z * (2.890611 * xy * c[10] + 1.445306 * cos2 * c[14]) +
+    vec3 sum = 0.590044 * (sin3 * c[9] + cos3 * c[15]) + z * (2.890611 * xy * c[10] + 1.445306 * cos2 * c[14]) +
            0.457046 * (5.0 * zz - 1.0) * (y * c[11] + x * c[13]) + 0.373176 * z * (5.0 * zz - 3.0) * c[12];
     float sin4 = xy * cos2, cos4 = xx * xx - 6.0 * xx * yy + yy * yy;
     sum += 2.503343 * sin4 * c[16] + 0.625836 * cos4 * c[24] + 1.770131 * z * (sin3 * c[17] + cos3 * c[23]) +
@@ -26,4 +24,10 @@ vec3 evaluate_sh(vec3 c[36], int bands, vec3 n) {
            0.452947 * (21.0 * zz * zz - 14.0 * zz + 1.0) * (y * c[29] + x * c[31]) +
            0.116950 * z * (63.0 * zz * zz - 70.0 * zz + 15.0) * c[30];
     return sum;
+}
+
+// Of up to six bands; only the first three are read where there are no more.
+vec3 evaluate_sh(vec3 c[36], int bands, vec3 n) {
+    vec3 sum = evaluate_sh(vec3[9](c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7], c[8]), n);
+    return bands > 3 ? sum + evaluate_higher_sh(c, n) : sum;
 }

@@ -1,3 +1,0 @@
-#version 330 core
-#define SEE_THROUGH
-#include "level.glsl"
