@@ -8,13 +8,13 @@
 #include <array>
 #include <cctype>
 #include <cmath>
-#include <utility>
 
 namespace lightgrid {
 namespace {
 
 constexpr std::array bindings{
-    KeyBinding{Key::f1, Action::help, "F1", "these lines, on the terminal"},
+    KeyBinding{Key::f1, Action::help, "F1", "what keys and mouse do"},
+    KeyBinding{Key::tab, Action::panel, "Tab", "the panel with all controls, or the picture alone"},
     KeyBinding{Key::p, Action::fly, "P", "fly along the path, or stop"},
     KeyBinding{Key::r, Action::record, "R", "record a path, or end and save it"},
     KeyBinding{Key::f12, Action::screenshot, "F12", "save the picture (PNG) and its light (EXR)"},
@@ -23,9 +23,10 @@ constexpr std::array bindings{
     KeyBinding{Key::digit_3, Action::own_object, "3", "the object that --object names"},
     KeyBinding{Key::digit_4, Action::no_object, "4", "no object"},
     KeyBinding{Key::f, Action::follow, "F", "the object follows the camera, or stays"},
-    KeyBinding{Key::x, Action::split, "X", "split screen: what is set from now on holds on the right"},
+    KeyBinding{Key::x, Action::split, "X", "split screen, or one picture"},
+    KeyBinding{Key::m, Action::comparison, "M", "what split screen compares"},
     KeyBinding{Key::l, Action::level_light, "L", "light of the level: per vertex, per pixel, none, constant"},
-    KeyBinding{Key::o, Action::object_light, "O", "light of the object: by one look-up, per pixel, constant"},
+    KeyBinding{Key::o, Action::object_light, "O", "light of the object: one look-up, per pixel, path-traced, constant"},
     KeyBinding{Key::b, Action::bands, "B", "bands that are used: 1, 2, 3"},
     KeyBinding{Key::n, Action::filter, "N", "nearest probe or trilinear"},
     KeyBinding{Key::g, Action::dering, "G", "deringing of the object's light"},
@@ -36,6 +37,8 @@ constexpr std::array bindings{
     KeyBinding{Key::z, Action::probes, "Z", "probes: none, in sight, through walls"},
     KeyBinding{Key::c, Action::cell, "C", "the cell that the object is in, with its weights"},
     KeyBinding{Key::m, Action::crowd, "M", "a thousand objects, each lit by a look-up of its own"},
+    KeyBinding{Key::u, Action::background, "U", "background: environment, its coefficients, none"},
+    KeyBinding{Key::i, Action::next_environment, "I", "the next environment of its folder"},
     KeyBinding{Key::comma, Action::less_gain, ",", "less light from the volume"},
     KeyBinding{Key::period, Action::more_gain, ".", "more light from the volume"},
     KeyBinding{Key::minus, Action::less_exposure, "-", "shorter exposure"},
@@ -44,13 +47,17 @@ constexpr std::array bindings{
     KeyBinding{Key::escape, Action::quit, "Esc", "quit"},
 };
 
-constexpr std::array<std::pair<std::string_view, std::string_view>, 5> motions{{
-    {"W A S D", "fly forward, left, back, right"},
-    {"Q E", "down, up"},
-    {"Shift", "faster"},
-    {"Wheel", "speed"},
-    {"Mouse", "right button: look round; left button: drag the object"},
-}};
+constexpr std::array motions{
+    MotionBinding{"W A S D", "fly forward, left, back, right"},
+    MotionBinding{"Q E", "down, up"},
+    MotionBinding{"Shift", "faster"},
+    MotionBinding{"Wheel", "speed"},
+    MotionBinding{"Right", "button of the mouse, held: look round"},
+    MotionBinding{"Left", "button, held: drag the object"},
+    MotionBinding{"Click", "path-traced light there, beside the volume's"},
+    MotionBinding{"[ ]", "turn the environment's light"},
+    MotionBinding{"Drop", "an environment or an object onto the window"},
+};
 
 constexpr float stops_per_press = 0.25F;
 
@@ -69,6 +76,10 @@ void scale_gain(Settings& settings, float stops) {
 
 std::span<const KeyBinding> key_bindings() {
     return bindings;
+}
+
+std::span<const MotionBinding> motion_bindings() {
+    return motions;
 }
 
 std::optional<Action> action_of(Key key) {
@@ -98,7 +109,7 @@ Pose fly(const Pose& pose, const Input& input, Motion& motion, double seconds) {
     return result;
 }
 
-bool apply(Action action, Settings& settings) {
+bool apply(Action action, Settings& settings, int bands) {
     switch (action) {
         case Action::less_gain:
             scale_gain(settings, -stops_per_press);
@@ -119,10 +130,10 @@ bool apply(Action action, Settings& settings) {
             settings.level_light = next(settings.level_light, 4);
             return true;
         case Action::object_light:
-            settings.object_light = next(settings.object_light, 3);
+            settings.object_light = next(settings.object_light, 4);
             return true;
         case Action::bands:
-            settings.bands = settings.bands % most_used_bands + 1;
+            settings.bands = settings.bands % bands + 1;
             return true;
         case Action::filter:
             settings.filter = next(settings.filter, 2);
@@ -132,6 +143,9 @@ bool apply(Action action, Settings& settings) {
             return true;
         case Action::half:
             settings.half = !settings.half;
+            return true;
+        case Action::background:
+            settings.background = next(settings.background, 3);
             return true;
         case Action::contact_shadow:
             settings.contact_shadow = !settings.contact_shadow;

@@ -16,6 +16,7 @@ namespace lightgrid {
 enum class Action : std::uint8_t {
     quit,
     help,
+    panel,
     screenshot,
     fly,
     record,
@@ -25,6 +26,7 @@ enum class Action : std::uint8_t {
     no_object,
     follow,
     split,
+    comparison,
     less_gain,
     more_gain,
     less_exposure,
@@ -36,6 +38,8 @@ enum class Action : std::uint8_t {
     filter,
     dering,
     half,
+    background,
+    next_environment,
     contact_shadow,
     self_shadowing,
     level_colors,
@@ -55,7 +59,14 @@ struct KeyBinding {
 [[nodiscard]] std::span<const KeyBinding> key_bindings();
 [[nodiscard]] std::optional<Action> action_of(Key key);
 
-/// A line for everything that keys and mouse do, those held included.
+/// What is done while something is held or moved.
+struct MotionBinding {
+    std::string_view name;
+    std::string_view help;
+};
+[[nodiscard]] std::span<const MotionBinding> motion_bindings();
+
+/// A line for everything that keys and mouse do.
 [[nodiscard]] std::string controls_help();
 
 /// How one flies by hand.
@@ -65,6 +76,7 @@ struct Motion {
 inline constexpr double run_factor = 4;       // with shift
 inline constexpr double wheel_factor = 1.25;  // of speed, per notch
 inline constexpr double look_deg_per_pixel = 0.15;
+inline constexpr double turn_deg_per_s = 45;  // of the light
 
 /// One step of flying: WASD, Q and E along the camera's own axes, faster with shift; the mouse turns it while its right
 /// button is down; the wheel changes the speed.
@@ -73,7 +85,9 @@ inline constexpr double look_deg_per_pixel = 0.15;
 [[nodiscard]] Pose fly(const Pose& pose, const Input& input, Motion& motion, double seconds);
 
 /// Carries out an action that is about settings alone; false: it is about something else.
-bool apply(Action action, Settings& settings);
+///
+/// bands  as many as there are to choose from
+bool apply(Action action, Settings& settings, int bands = 3);
 
 /// The default settings after keys, named as they are printed ("zv"), have been pressed. Throws Error (Fault::input) for a
 /// key that no setting is switched by.

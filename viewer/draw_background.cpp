@@ -41,13 +41,15 @@ void BackgroundDrawing::set_environment(const Environment& environment) {
     gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
 }
 
-void BackgroundDrawing::draw(const Eye& eye, std::span<const glm::vec3> radiance) const {
+void BackgroundDrawing::draw(const Eye& eye, bool picture, const glm::mat3& turn, const Sh36& radiance) const {
     gl_.UseProgram(program_.name());
     const Uniforms uniforms(gl_, program_);
-    uniforms.set("ray", eye.ray);
+    const bool environment = picture && has_environment();
+    uniforms.set("ray", environment ? glm::transpose(turn) * eye.ray : eye.ray);
     uniforms.set("exposure", eye.exposure);
-    uniforms.set("has_environment", has_environment() ? 1 : 0);
+    uniforms.set("has_environment", environment ? 1 : 0);
     uniforms.set("environment", 0);
+    uniforms.set("bands", used_bands(radiance));
     uniforms.set("radiance", radiance.data(), static_cast<int>(radiance.size()));
     gl_.ActiveTexture(GL_TEXTURE0);
     gl_.BindTexture(GL_TEXTURE_2D, environment_.name());

@@ -6,12 +6,10 @@
 #include "viewer/look_up.h"
 #include "viewer/shader.h"
 
-#include <span>
-
 namespace lightgrid {
 
-/// What is seen where the level ends: the environment that it was baked with; where nobody named one, the radiance that
-/// the volume says arrives at the eye.
+/// What is seen where the level ends: the environment that it was baked with; where nobody named one, or where it is asked
+/// for, the radiance that the volume says arrives at the eye.
 class BackgroundDrawing {
   public:
     BackgroundDrawing(const Gl& gl, const ShaderSources& shaders);
@@ -22,8 +20,9 @@ class BackgroundDrawing {
 
     /// Fills what has no depth yet.
     ///
-    /// radiance  9 coefficients, read where there is no environment
-    void draw(const Eye& eye, std::span<const glm::vec3> radiance) const;
+    /// picture   the environment, where there is one; else and otherwise the radiance that the coefficients stand for
+    /// turn      of the environment, from its own axes to the level's
+    void draw(const Eye& eye, bool picture, const glm::mat3& turn, const Sh36& radiance) const;
 
   private:
     const Gl& gl_;

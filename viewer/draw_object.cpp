@@ -102,12 +102,14 @@ void ObjectDrawing::draw(const Eye& eye, const ObjectPlace& place, const ObjectL
     uniforms.set("size", place.size);
     uniforms.set("center", glm::vec3(place.position - eye.origin));
     if (light.self_shadowing) {
-        Sh9 turned = light.radiance;
+        Sh9 turned{};
+        std::copy_n(light.radiance.begin(), turned.size(), turned.begin());
         ShRotation(3, glm::dmat3(glm::transpose(place.rotation))).apply(turned);
         uniforms.set("turned_radiance", turned.data(), static_cast<int>(turned.size()));
     }
-    Sh9 irradiance = light.radiance;
+    Sh36 irradiance = light.radiance;
     convolve_with_cosine(irradiance);
+    uniforms.set("bands", used_bands(irradiance));
     uniforms.set("irradiance", irradiance.data(), static_cast<int>(irradiance.size()));
     uniforms.set("light_scale", eye.exposure * light.gain * std::numbers::inv_pi_v<float>);
     if (light.pixel) set_pixel_light(gl_, uniforms, *light.pixel, volume_unit);

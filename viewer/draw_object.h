@@ -24,7 +24,7 @@ struct ObjectPlace {
 
 /// The light of an object.
 struct ObjectLighting {
-    Sh9 radiance{};                     // at its centre, deringed where wanted: of the object as a whole
+    Sh36 radiance{};  // at its centre, deringed where wanted: of the object as a whole; self-shadowing of three bands
     std::optional<PixelLight> pixel{};  // in its place
     bool self_shadowing = false;        // by transfer.h
     float gain = 1;

@@ -3,6 +3,7 @@
 #include <glm/glm.hpp>
 
 #include <set>
+#include <string>
 #include <vector>
 
 namespace lightgrid {
@@ -66,6 +67,7 @@ struct Input {
     glm::dvec2 cursor{0};              // pixels of the framebuffer from its upper left corner
     glm::dvec2 moved{0};               // of the cursor, likewise
     double wheel = 0;                  // notches, away from the person positive
+    std::vector<std::string> dropped;  // paths of files
 };
 
 }  // namespace lightgrid

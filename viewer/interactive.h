@@ -1,32 +1,25 @@
 #pragma once
 
-#include "probes/paths.h"
-#include "viewer/flight.h"
+#include "viewer/environment_stage.h"
+#include "viewer/level_stage.h"
 #include "viewer/object.h"
 #include "viewer/settings.h"
 #include "viewer/shader.h"
-#include "viewer/volume_watch.h"
 
 #include <glm/glm.hpp>
 
-#include <memory>
 #include <optional>
-#include <string>
+#include <variant>
 
 namespace lightgrid {
 
-struct LitVolume;
-
 /// What is shown in a window.
 struct Show {
-    const PathTracer& paths;                  // with the level and its environment; must outlive the show
-    std::string environment;                  // in words, for the header of what is baked
-    std::shared_ptr<const LitVolume> volume;  // none: one is baked while it is shown
-    std::optional<VolumeWatch> watch;         // of the file that it came from
-    std::optional<Flight> flight;             // none: the default one
-    std::optional<ObjectMesh> object;         // what --object names, 1 m large
+    std::variant<LevelShow, EnvironmentShow> what;
+    std::optional<Flight> flight;      // none: the default one
+    std::optional<ObjectMesh> object;  // what --object names, 1 m large
+    Session session;                   // to begin with
     ShaderSources shaders;
-    Settings settings;  // to start with
     glm::ivec2 size{1280, 720};
     bool quiet = false;
 };

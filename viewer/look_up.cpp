@@ -12,7 +12,6 @@
 namespace lightgrid {
 namespace {
 
-constexpr int most_bands = 3;
 /// Of the volume's usual light: errors are no larger a share of darker places' light than of this.
 constexpr float darkest_share = 0.01F;
 
@@ -44,6 +43,20 @@ glm::vec3 usual_light_of(const Volume& volume) {
     return *usual;
 }
 
+template <std::size_t Size>
+std::array<glm::vec3, Size> radiance_of_size(const LookUp& from, glm::dvec3 position) {
+    const Volume& volume = from.volume->volume;
+    const Sampler::Corners corners = corners_of(from, position);
+    std::array<glm::vec3, Size> sh{};
+    const std::size_t used = std::min(Size, static_cast<std::size_t>(sh_size(std::min(from.bands, volume.bands))));
+    for (int c = 0; c < corners.count; ++c) {
+        const std::span<const glm::vec3> probe = volume.sh(corners.slots[static_cast<std::size_t>(c)]);
+        const float weight = corners.weights[static_cast<std::size_t>(c)];
+        for (std::size_t i = 0; i < used; ++i) sh[i] += weight * probe[i];
+    }
+    return sh;
+}
+
 }  // namespace
 
 LitVolume::LitVolume(Volume of)
@@ -68,23 +81,23 @@ Sampler::Corners corners_of(const LookUp& from, glm::dvec3 position) {
 }
 
 Sh9 radiance_sh(const LookUp& from, glm::dvec3 position) {
-    const Volume& volume = from.volume->volume;
-    const Sampler::Corners corners = corners_of(from, position);
-    Sh9 sh{};
-    const auto used = static_cast<std::size_t>(sh_size(std::min({from.bands, volume.bands, most_bands})));
-    for (int c = 0; c < corners.count; ++c) {
-        const std::span<const glm::vec3> probe = volume.sh(corners.slots[static_cast<std::size_t>(c)]);
-        const float weight = corners.weights[static_cast<std::size_t>(c)];
-        for (std::size_t i = 0; i < used; ++i) sh[i] += weight * probe[i];
-    }
+    return radiance_of_size<std::tuple_size_v<Sh9>>(from, position);
+}
+
+Sh36 all_radiance_sh(const LookUp& from, glm::dvec3 position) {
+    return radiance_of_size<std::tuple_size_v<Sh36>>(from, position);
+}
+
+Sh36 deringed(const Sh36& radiance) {
+    Sh36 sh = radiance;
+    // It costs as the cube of the bands.
+    dering_sh(std::span(sh).first(static_cast<std::size_t>(sh_size(used_bands(sh)))));
     return sh;
 }
 
-Sh9 irradiance_sh(const LookUp& from, glm::dvec3 position, bool dering) {
-    Sh9 sh = radiance_sh(from, position);
-    if (dering) dering_sh(sh);
-    convolve_with_cosine(sh);
-    return sh;
+int used_bands(const Sh36& sh) {
+    const auto last = std::find_if(sh.rbegin(), sh.rend(), [](glm::vec3 c) { return c != glm::vec3(0); });
+    return std::max(sh_bands(static_cast<std::size_t>(sh.rend() - last)), 1);
 }
 
 glm::vec3 surface_irradiance(const LookUp& from, glm::dvec3 position, glm::vec3 normal) {

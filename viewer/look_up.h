@@ -6,6 +6,7 @@
 #include <glm/glm.hpp>
 
 #include <array>
+#include <tuple>
 #include <vector>
 
 /// Light from a volume as the viewer's settings want it.
@@ -30,7 +31,7 @@ struct LookUp {
     const LitVolume* volume = nullptr;
     float normal_bias = 0;  // metres that surfaces of the level look it up away from themselves
     Filter filter = Filter::trilinear;
-    int bands = 3;  // at most; not more than 3 are used
+    int bands = 3;  // at most
 };
 
 /// A third of a cell: clear of the probes behind a wall, and still in the room.
@@ -41,16 +42,21 @@ inline constexpr double bias_in_cells = 0.3;
 /// The probes that answer at `position`.
 [[nodiscard]] Sampler::Corners corners_of(const LookUp& from, glm::dvec3 position);
 
-/// Coefficients of three bands; those of bands that are not used are zero.
+/// Coefficients of three bands, or of as many as the viewer shows; those of bands that are not used are zero.
 using Sh9 = std::array<glm::vec3, 9>;
+using Sh36 = std::array<glm::vec3, 36>;
+static_assert(std::tuple_size_v<Sh36> == most_bands * most_bands);
 
-/// Of the radiance that arrives at `position`.
+/// Of the radiance that arrives at `position`, three bands at most: what surfaces take.
 [[nodiscard]] Sh9 radiance_sh(const LookUp& from, glm::dvec3 position);
+/// The same with all bands.
+[[nodiscard]] Sh36 all_radiance_sh(const LookUp& from, glm::dvec3 position);
 
-/// Of the irradiance that an object at `position` gets as a whole: E(n) = sum_i values_i Y_i(n).
-///
-/// dering  windowed so that no normal gets negative light (dering_sh)
-[[nodiscard]] Sh9 irradiance_sh(const LookUp& from, glm::dvec3 position, bool dering);
+/// Windowed so that no normal gets negative light (dering_sh).
+[[nodiscard]] Sh36 deringed(const Sh36& radiance);
+
+/// Up to the last that is not zero; at least 1.
+[[nodiscard]] int used_bands(const Sh36& sh);
 
 /// Irradiance on a surface, lux, not negative, looked up `normal_bias` away from it.
 [[nodiscard]] glm::vec3 surface_irradiance(const LookUp& from, glm::dvec3 position, glm::vec3 normal);

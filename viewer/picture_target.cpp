@@ -96,12 +96,12 @@ void PictureTarget::develop(const Rectangle& part, Tone tone) const {
     gl_.Enable(GL_DEPTH_TEST);
 }
 
-void PictureTarget::show() const {
+void PictureTarget::show(glm::ivec2 corner) const {
     gl_.BindFramebuffer(GL_READ_FRAMEBUFFER, picture_.framebuffer.name());
     gl_.BindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
-    gl_.BlitFramebuffer(0, 0, size_.x, size_.y, 0, 0, size_.x, size_.y, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    const glm::ivec2 end = corner + size_;
+    gl_.BlitFramebuffer(0, 0, size_.x, size_.y, corner.x, corner.y, end.x, end.y, GL_COLOR_BUFFER_BIT, GL_NEAREST);
     gl_.BindFramebuffer(GL_FRAMEBUFFER, 0);
-    gl_.Viewport(0, 0, size_.x, size_.y);
 }
 
 ByteImage PictureTarget::read_picture() const {

@@ -34,7 +34,11 @@ class PictureTarget {
     void develop(const Rectangle& part, Tone tone) const;
 
     /// Copies the picture to the window's own framebuffer.
-    void show() const;
+    ///
+    /// corner  of the window that its lower left corner comes to
+    void show(glm::ivec2 corner = {0, 0}) const;
+    /// Its texture.
+    [[nodiscard]] GLuint picture() const noexcept { return picture_.color.name(); }
     [[nodiscard]] ByteImage read_picture() const;
     /// The light of a pixel is what was drawn, divided by `exposure`: cd/m^2.
     [[nodiscard]] RadianceImage read_light(float exposure) const;

@@ -2,6 +2,7 @@
 
 #include "core/sampling.h"
 
+#include <algorithm>
 #include <limits>
 #include <utility>
 
@@ -82,16 +83,22 @@ void ReferenceProbe::answer(const std::stop_token& stop, const Question& questio
     }
 }
 
-LightComparison compare(const ReferenceLight& reference, const Sampler& sampler, const SampleOptions& options) {
+Sh36 means(std::span<const Estimate> coefficients) {
+    Sh36 sh{};
+    for (std::size_t i = 0; i < std::min(sh.size(), coefficients.size()); ++i) sh[i] = glm::vec3(coefficients[i].mean);
+    return sh;
+}
+
+LightComparison compare(const ReferenceLight& reference, glm::vec3 volume) {
     LightComparison result;
-    result.volume = sampler.irradiance(reference.position, reference.normal, options);
+    result.volume = volume;
     result.reference = glm::vec3(reference.irradiance.mean);
     result.reference_error = glm::vec3(reference.irradiance.error);
-    const float volume = luminance(result.volume);
+    const float looked_up = luminance(volume);
     const float traced = luminance(result.reference);
     if (traced > 0) {
-        result.relative = volume / traced - 1;
-    } else if (volume != 0) {
+        result.relative = looked_up / traced - 1;
+    } else if (looked_up != 0) {
         result.relative = std::numeric_limits<float>::infinity();
     }
     return result;

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "probes/gather.h"
-#include "probes/sampler.h"
+#include "viewer/look_up.h"
 
 #include <glm/glm.hpp>
 
@@ -10,6 +10,7 @@
 #include <exception>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <thread>
 #include <vector>
 
@@ -68,6 +69,9 @@ class ReferenceProbe {
     std::jthread thread_;  // last: the others must be there while it runs
 };
 
+/// Their means; coefficients that are not there are zero.
+[[nodiscard]] Sh36 means(std::span<const Estimate> coefficients);
+
 /// A volume's irradiance beside the reference's.
 struct LightComparison {
     glm::vec3 volume{0};           // lux
@@ -75,7 +79,7 @@ struct LightComparison {
     glm::vec3 reference_error{0};  // its standard error, lux
     float relative = 0;            // luminance of the volume's over that of the reference, less 1; 0 where both are 0
 };
-[[nodiscard]] LightComparison compare(const ReferenceLight& reference, const Sampler& sampler,
-                                      const SampleOptions& options = {});
+/// volume  irradiance that a volume has for the reference's place and normal, lux
+[[nodiscard]] LightComparison compare(const ReferenceLight& reference, glm::vec3 volume);
 
 }  // namespace lightgrid

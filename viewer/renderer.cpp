@@ -86,10 +86,12 @@ const TexelBuffer& Renderer::light_table(const Settings& settings) {
         return table.filter == settings.filter && table.bands == settings.bands && table.half == settings.half;
     });
     if (known != light_tables_.end()) return known->table;
+    look_ups_ += 2 * level_->mesh().light_rows;
     if (light_tables_.size() == most_light_tables) light_tables_.erase(light_tables_.begin());
     const std::vector<VertexLight> light = light_level(level_->mesh(), origin_, look_up_with(settings));
     if (!scales_) scales_ = scales_of(light);
-    light_tables_.push_back({settings.filter, settings.bands, settings.half, level_->make_light_table(light)});
+    light_tables_.push_back({settings.filter, settings.bands, settings.half, level_->make_light_table(light),
+                             light.size() * sizeof(VertexLight)});
     return light_tables_.back().table;
 }
 
@@ -118,18 +120,21 @@ LevelDrawing::Light Renderer::level_light(const Frame& frame, const Settings& se
     return result;
 }
 
-void Renderer::draw_object(const Eye& eye, const ObjectPlace& place, const Settings& settings, const LookUp& light) {
+void Renderer::draw_object(const Eye& eye, const Frame& frame, const Settings& settings, const LookUp& light) {
     ObjectLighting lighting{.self_shadowing = settings.self_shadowing, .gain = settings.gain};
-    if (light.volume != nullptr && settings.object_light != ObjectLight::constant) {
-        lighting.radiance = radiance_sh(light, place.position);
-        if (settings.dering) dering_sh(lighting.radiance);
+    if (frame.reference && settings.object_light == ObjectLight::reference) {
+        lighting.radiance = settings.dering ? deringed(*frame.reference) : *frame.reference;
+    } else if (light.volume != nullptr && settings.object_light != ObjectLight::constant) {
+        lighting.radiance = all_radiance_sh(light, frame.object->position);
+        ++look_ups_;
+        if (settings.dering) lighting.radiance = deringed(lighting.radiance);
         if (settings.object_light == ObjectLight::pixel) lighting.pixel = pixel_light(settings, light);
     } else {
         const glm::vec3 irradiance =
             light.volume != nullptr ? light.volume->usual_light : glm::vec3(std::numbers::pi_v<float>);
         lighting.radiance[0] = uniform_first_coefficient * irradiance;
     }
-    object_->draw(eye, place, lighting);
+    object_->draw(eye, *frame.object, lighting);
 }
 
 /// Probes, cells and the crowd.
@@ -180,10 +185,11 @@ void Renderer::draw_pane(const Frame& frame, const Pane& pane) {
     LevelDrawing::Light on_level;
     if (level_) on_level = level_light(frame, settings, light);
     if (level_) level_->draw_opaque(eye, on_level);
-    if (object_ && frame.object && settings.show_object) draw_object(eye, *frame.object, settings, light);
-    if (settings.show_background) {
-        const Sh9 radiance = light.volume != nullptr ? radiance_sh(light, frame.pose.eye) : Sh9{};
-        background_.draw(eye, radiance);
+    if (object_ && frame.object && settings.show_object) draw_object(eye, frame, settings, light);
+    if (settings.background != Background::none) {
+        const Sh36 radiance = light.volume != nullptr ? all_radiance_sh(light, frame.pose.eye) : Sh36{};
+        if (light.volume != nullptr) ++look_ups_;
+        background_.draw(eye, settings.background == Background::picture, frame.environment_turn, radiance);
     }
     if (level_) level_->draw_blended(eye, on_level);
     if (light.volume != nullptr) draw_data(eye, frame, settings, light);
@@ -193,6 +199,7 @@ void Renderer::draw(const Frame& frame, std::span<const Pane> panes, glm::ivec2 
     target_.resize(size, samples);
     const Settings& first = panes.front().settings;
     exposure_ = exposure_of(first, look_up_with(first), frame.pose);
+    look_ups_ = 0;
     target_.begin();
     for (const Pane& pane : panes) draw_pane(frame, pane);
     target_.resolve();
@@ -201,6 +208,18 @@ void Renderer::draw(const Frame& frame, std::span<const Pane> panes, glm::ivec2 
         draw_legend(pane);
     }
     check_gl(gl_, "drawing a picture");
+}
+
+std::size_t Renderer::bytes_of_light() const {
+    std::size_t bytes = 0;
+    for (const Stored* stored : {&as_baked_, &as_half_}) {
+        if (stored->volume == nullptr) continue;
+        const Volume& volume = stored->volume->volume;
+        if (stored->on_card) bytes += stored->on_card->bytes;
+        bytes += volume.states.size() * sizeof(ProbeState) + volume.coefficients.size() * sizeof(glm::vec3);
+    }
+    for (const LightTable& table : light_tables_) bytes += table.bytes;
+    return bytes;
 }
 
 }  // namespace lightgrid

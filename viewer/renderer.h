@@ -23,6 +23,8 @@ struct Frame {
     Lens lens;
     std::optional<ObjectPlace> object{};
     double time_s = 0;  // of what moves by itself
+    std::optional<Sh36> reference{};  // radiance at the object as the path tracer has it: ObjectLight::reference
+    glm::mat3 environment_turn{1};    // from the environment's own axes to the level's
 };
 
 /// A part of the picture with settings of its own: split screen is two of them.
@@ -57,6 +59,10 @@ class Renderer {
     [[nodiscard]] const PictureTarget& target() const noexcept { return target_; }
     /// The last picture's.
     [[nodiscard]] float exposure() const noexcept { return exposure_; }
+    /// Look-ups in the volume for the last picture.
+    [[nodiscard]] std::size_t look_ups() const noexcept { return look_ups_; }
+    /// Of all light: coefficients in memory and tables on the card.
+    [[nodiscard]] std::size_t bytes_of_light() const;
     [[nodiscard]] RadianceImage read_light() const { return target_.read_light(exposure_); }
 
   private:
@@ -66,6 +72,7 @@ class Renderer {
         int bands;
         bool half;
         TexelBuffer table;
+        std::size_t bytes = 0;
     };
     /// A volume in its two forms of storage; what is made of them when it is first asked for.
     struct Stored {
@@ -75,7 +82,7 @@ class Renderer {
     };
 
     void draw_pane(const Frame& frame, const Pane& pane);
-    void draw_object(const Eye& eye, const ObjectPlace& place, const Settings& settings, const LookUp& light);
+    void draw_object(const Eye& eye, const Frame& frame, const Settings& settings, const LookUp& light);
     void draw_data(const Eye& eye, const Frame& frame, const Settings& settings, const LookUp& light);
     void draw_legend(const Pane& pane);
     /// The volume as `settings` want it stored.
@@ -101,6 +108,7 @@ class Renderer {
     std::optional<LabelDrawing> irradiance_legend_;
     std::optional<LabelDrawing> error_legend_;
     float exposure_ = 1;
+    std::size_t look_ups_ = 0;
 };
 
 }  // namespace lightgrid

@@ -66,7 +66,8 @@ void bind(const Gl& gl, const GlTexture& texture, GLenum target, const Uniforms&
 VolumeOnCard upload(const Gl& gl, const VolumeTextures& textures) {
     return {upload(gl, textures.grids, GL_TEXTURE_2D, GL_NEAREST),
             upload(gl, textures.index, GL_TEXTURE_2D, GL_NEAREST),
-            upload(gl, textures.atlas, GL_TEXTURE_3D, GL_NEAREST)};
+            upload(gl, textures.atlas, GL_TEXTURE_3D, GL_NEAREST),
+            textures.grids.texels.size() + textures.index.texels.size() + textures.atlas.texels.size()};
 }
 
 FilteredVolumeOnCard upload(const Gl& gl, const FilteredTextures& textures) {

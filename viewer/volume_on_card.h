@@ -5,6 +5,7 @@
 
 #include <glm/glm.hpp>
 
+#include <cstddef>
 #include <vector>
 
 /// A volume's textures on the card, for shaders that include lightgrid.glsl.
@@ -14,6 +15,7 @@ struct VolumeOnCard {
     GlTexture grids;
     GlTexture index;
     GlTexture atlas;
+    std::size_t bytes = 0;  // of texels
 };
 /// Throws Error for textures that are larger than the card takes.
 [[nodiscard]] VolumeOnCard upload(const Gl& gl, const VolumeTextures& textures);

@@ -95,6 +95,10 @@ Window::Window(const std::string& title, glm::ivec2 size) : state_(std::make_uni
     });
     glfwSetScrollCallback(state_->window,
                           [](GLFWwindow* window, double, double notches) { State::of(window).next.wheel += notches; });
+    glfwSetDropCallback(state_->window, [](GLFWwindow* window, int count, const char** paths) {
+        std::vector<std::string>& dropped = State::of(window).next.dropped;
+        dropped.insert(dropped.end(), paths, paths + count);
+    });
     // A window that loses the focus sees no key go up.
     glfwSetWindowFocusCallback(state_->window, [](GLFWwindow* window, int focused) {
         if (focused == GLFW_TRUE) return;
@@ -142,6 +146,7 @@ Input Window::poll() {
     state_->next.clicked.clear();
     state_->next.moved = glm::dvec2(0);
     state_->next.wheel = 0;
+    state_->next.dropped.clear();
     return input;
 }
 

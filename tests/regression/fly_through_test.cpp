@@ -160,53 +160,198 @@ TEST_F(FlyThrough, WithoutADisplayItTellsOfHeadless) {
     EXPECT_NE(result.err.find("--headless"), std::string::npos) << result.err;
 }
 
+/// An environment that is red above.
+class EnvironmentAlone : public FlyThrough {
+  protected:
+    EnvironmentAlone() {
+        RadianceImage image{16, 8, {}};
+        for (int y = 0; y < image.height; ++y) {
+            for (int x = 0; x < image.width; ++x) image.pixels.push_back(y < 4 ? glm::vec3(6, 3, 3) : glm::vec3(1));
+        }
+        write_exr(image, folder() / "a.exr");
+    }
+};
+
+TEST_F(EnvironmentAlone, LightsAnObjectOnAnOrbit) {
+    const std::string call = "--environment a.exr --headless --frames 3 --size 96x54 --out ";
+    const Result result = run(call + "frames");
+    ASSERT_EQ(result.status, 0) << result.err;
+    EXPECT_EQ(files("frames").size(), 3U);
+    const ByteImage image = picture("frames/frame_00001.png");
+    EXPECT_GT(contrast(image), 50);
+    EXPECT_GT(image.at(48, 2).r, image.at(48, 2).g + 20) << "the environment is behind it";
+    EXPECT_GT(image.at(48, 20).r, image.at(48, 20).g + 10) << "and lights it from above";
+    // Bands and samples count.
+    ASSERT_EQ(run(call + "one --bands 1 --samples 10").status, 0);
+    EXPECT_NE(read_whole_file(folder() / "one/frame_00001.png"), read_whole_file(folder() / "frames/frame_00001.png"));
+    ASSERT_EQ(run(call + "split --compare bands").status, 0);
+    EXPECT_NE(read_whole_file(folder() / "split/frame_00001.png"),
+              read_whole_file(folder() / "frames/frame_00001.png"));
+    ASSERT_EQ(run("--sky 1,2,3 --headless --frames 1 --size 32x18 --out sky").status, 0) << "a sky will do, too";
+}
+
+TEST_F(EnvironmentAlone, RefusesWhatBelongsToALevelAndTheOtherWayRound) {
+    const std::string headless = " --headless --out frames ";
+    expect_refused("--environment gone.hdr" + headless, "gone.hdr");
+    expect_refused("--environment a.exr --scene 0" + headless, "--scene belongs to a LEVEL");
+    expect_refused("--environment a.exr --samples 9" + headless, "9 is not a whole number from 10");
+    expect_refused("--environment a.exr --samples 100001" + headless, "100001 is not");
+    expect_refused("--environment a.exr --bands 7" + headless, "7 is not a whole number from 1");
+    expect_refused("--environment a.exr --compare colours" + headless, "nothing to compare: filter, bands");
+    expect_refused(cornell + " --samples 100" + headless, "--samples is for an --environment without a LEVEL");
+}
+
+TEST_F(FlyThrough, SplitScreenShowsBothSidesWithoutADisplay) {
+    bake(cornell, "cornell.probes.exr");
+    write("path.json", R"({"keys": [{"time_s": 0, "eye": [0, 1, 0.9], "look_at": [0, 1, 0], "object": [0, 1, 0]}]})");
+    for (const char* what : {"filter", "bands", "dering", "half", "reference"}) {
+        const Result result =
+            run(fmt::format("{} cornell.probes.exr --headless --size 96x54 --path path.json --out {} --compare {}",
+                            cornell, what, what));
+        ASSERT_EQ(result.status, 0) << result.err;
+        EXPECT_GT(contrast(picture(fmt::format("{}/frame_00000.png", what))), 50) << what;
+    }
+}
+
 /// What people do, by xdotool on a display of its own.
-TEST_F(FlyThrough, AWindowIsFlownResizedPhotographedAndClosed) {
-    if (shell("command -v Xvfb xdotool").status != 0) GTEST_SKIP() << "Xvfb or xdotool is not installed";
+class InAWindow : public FlyThrough {
+  protected:
+    void SetUp() override {
+        if (shell("command -v Xvfb xdotool").status != 0) GTEST_SKIP() << "Xvfb or xdotool is not installed";
+    }
+    /// Starts the program with `arguments`, does as `script` says and awaits the program's end. In the script, $window
+    /// is its window; `wait_for FILE` waits until there is something in it, `wait_for_word WORD` until it was said.
+    [[nodiscard]] Result act(const std::string& arguments, const std::string& script) const {
+        write("act", fmt::format(R"(
+            set -eu
+            wait_for() {{ for i in $(seq 600); do [ -s "$1" ] && return; sleep 0.1; done; echo "no $1" >&2; exit 9; }}
+            wait_for_word() {{
+                for i in $(seq 600); do grep -q -- "$1" said && return; sleep 0.1; done
+                cat said >&2; echo "nothing said of $1" >&2; exit 9
+            }}
+            Xvfb -displayfd 3 -screen 0 1280x800x24 3>display >/dev/null 2>&1 &
+            server=$!
+            trap 'kill $server' EXIT
+            wait_for display
+            export DISPLAY=:$(cat display)
+            {} {} 2>said &
+            program=$!
+            window=$(timeout 60 xdotool search --sync --name 'ms a frame' | head -1)
+            {}
+            status=0
+            wait $program || status=$?
+            cat said >&2
+            exit $status
+            )",
+                                 FLY_THROUGH_PROGRAM, arguments, script));
+        return shell("bash ./act");
+    }
+    [[nodiscard]] glm::ivec2 size_of(const std::string& name) const {
+        const ByteImage image = picture(name);
+        return {image.width, image.height};
+    }
+};
+
+TEST_F(InAWindow, IsFlownResizedPhotographedAndClosed) {
     bake(cornell, "cornell.probes.exr");
     write("start.json", R"({"keys": [{"time_s": 0, "eye": [0, 1, 0.9], "look_at": [0, 1, 0]}]})");
-    write("act", fmt::format(R"(
-        set -eu
-        wait_for() {{ for i in $(seq 600); do [ -s "$1" ] && return; sleep 0.1; done; echo "no $1" >&2; exit 9; }}
-        Xvfb -displayfd 3 -screen 0 1280x800x24 3>display >/dev/null 2>&1 &
-        server=$!
-        trap 'kill $server' EXIT
-        wait_for display
-        export DISPLAY=:$(cat display)
-        {} {} cornell.probes.exr --size 320x180 --path start.json 2>said &
-        program=$!
-        window=$(timeout 60 xdotool search --sync --name 'ms a frame' | head -1)
+    const Result result = act(cornell + " cornell.probes.exr --size 320x180 --path start.json", R"(
         xdotool mousemove 100 100 key F12
         wait_for cornell_0001.exr
         xdotool windowsize --sync $window 400 300
         xdotool keydown w keydown shift mousemove 150 90 mousedown 3 mousemove 200 110 mouseup 3 keyup shift keyup w
         xdotool mousemove 200 150 mousedown 1 mousemove 260 140 mouseup 1 click 4 click 5
-        xdotool key x key b key n key g key h key l key o key t key comma key period key minus key equal key f
-        xdotool key 2 key 4 key 1 key r
+        xdotool key x key b key n key g key h key l key o key t key u key k key comma key period key minus key equal key f
+        xdotool key 2 key 4 key 1 key 3 key i key j key v key z key c key r
         xdotool keydown s
         xdotool key F12
         wait_for cornell_0002.exr
         xdotool keyup s key r
         wait_for cornell_path_0001.json
-        xdotool key p key F1 key Escape
-        status=0
-        wait $program || status=$?
-        cat said >&2
-        exit $status
-        )",
-                             FLY_THROUGH_PROGRAM, cornell));
-    const Result result = shell("bash ./act");
+        xdotool key p key F1 key Escape)");
     EXPECT_EQ(result.status, 0) << result.err;
     EXPECT_NE(result.err.find("saved cornell_0001.png and cornell_0001.exr"), std::string::npos) << result.err;
-    EXPECT_NE(result.err.find("split screen"), std::string::npos) << "the help that F1 asks for: " << result.err;
-    const ByteImage first = picture("cornell_0001.png");
-    EXPECT_EQ(glm::ivec2(first.width, first.height), glm::ivec2(320, 180));
-    EXPECT_GT(contrast(first), 50);
-    const ByteImage second = picture("cornell_0002.png");
-    EXPECT_EQ(glm::ivec2(second.width, second.height), glm::ivec2(400, 300));
+    EXPECT_NE(result.err.find("no object of your own"), std::string::npos) << result.err;
+    EXPECT_NE(result.err.find("a level keeps the environment"), std::string::npos) << result.err;
+    EXPECT_EQ(size_of("cornell_0001.png"), glm::ivec2(320, 180));
+    EXPECT_GT(contrast(picture("cornell_0001.png")), 50);
+    EXPECT_EQ(size_of("cornell_0002.png"), glm::ivec2(400, 300));
     const RadianceFile light = read_radiance(folder() / "cornell_0001.exr");
     EXPECT_EQ(light.image.width, 320);
     EXPECT_NE(read_whole_file(folder() / "cornell_path_0001.json").find("yaw_deg"), std::string::npos);
+}
+
+TEST_F(InAWindow, ThePanelStandsBesideThePictureAndTabHidesIt) {
+    bake(cornell, "cornell.probes.exr");
+    const Result result = act(cornell + " cornell.probes.exr --size 800x600", R"(
+        xdotool mousemove 600 300 click 1 key F12
+        wait_for cornell_0001.exr
+        xdotool key Tab key F12
+        wait_for cornell_0002.exr
+        xdotool key Tab key x key m key m key F1 key F1 mousemove 100 300 mousedown 1 mousemove 130 310 mouseup 1 click 5
+        xdotool key m key m mousemove 400 300 mousedown 1 mousemove 500 310 mouseup 1 key F12
+        wait_for cornell_0003.exr
+        xdotool windowsize --sync $window 1 1
+        xdotool windowsize --sync $window 700 500
+        xdotool key F12
+        wait_for cornell_0004.exr
+        xdotool key Escape)");
+    EXPECT_EQ(result.status, 0) << result.err;
+    const glm::ivec2 beside = size_of("cornell_0001.png");
+    EXPECT_LT(beside.x, 600);
+    EXPECT_EQ(beside.y, 600);
+    EXPECT_EQ(size_of("cornell_0002.png"), glm::ivec2(800, 600));
+    EXPECT_EQ(size_of("cornell_0003.png"), beside);
+    EXPECT_EQ(size_of("cornell_0004.png"), glm::ivec2(700 - (800 - beside.x), 500));
+}
+
+TEST_F(InAWindow, BakesWhileItShowsAndShowsAReplacedVolume) {
+    const Result baked = act(cornell + " --size 320x180", R"(
+        wait_for_word 'baked with 64 rays'
+        xdotool key Escape)");
+    EXPECT_EQ(baked.status, 0) << baked.err;
+    bake(cornell, "a.probes.exr");
+    bake(cornell, "b.probes.exr", "--seed 1");
+    const Result result = act(cornell + " a.probes.exr --size 320x180", R"(
+        mv b.probes.exr a.probes.exr
+        wait_for_word 'a.probes.exr'
+        echo broken > c && mv c a.probes.exr
+        sleep 1
+        xdotool key F12
+        wait_for cornell_0001.exr
+        xdotool key Escape)");
+    EXPECT_EQ(result.status, 0) << result.err;
+}
+
+TEST_F(InAWindow, AnEnvironmentAloneIsTurnedAndExchanged) {
+    fs::create_directory(folder() / "skies");
+    for (const auto& [name, color] : {std::pair("a.exr", glm::vec3(4, 1, 1)), std::pair("b.exr", glm::vec3(1, 4, 1))}) {
+        RadianceImage image{16, 8, {}};
+        image.pixels.assign(128, color);
+        image.pixels.front() = glm::vec3(1);
+        write_exr(image, folder() / "skies" / name);
+    }
+    write("skies/c.exr", "broken");
+    const Result result = act("--environment skies/a.exr --size 320x180", R"(
+        xdotool key F12
+        wait_for a_0001.exr
+        xdotool keydown bracketright key b key k key b key x key m keyup bracketright key i
+        wait_for_word 'b.exr'
+        xdotool key F12
+        wait_for b_0001.exr
+        xdotool key i
+        wait_for_word 'c.exr'
+        xdotool key i
+        wait_for_word ': a.exr'
+        xdotool key p key Escape)");
+    EXPECT_EQ(result.status, 0) << result.err;
+    const auto mean = [&](const char* name) {
+        glm::vec3 sum(0);
+        for (const glm::vec3 pixel : read_radiance(folder() / name).image.pixels) sum += pixel;
+        return sum;
+    };
+    EXPECT_GT(mean("a_0001.exr").r, mean("a_0001.exr").g);
+    EXPECT_GT(mean("b_0001.exr").g, mean("b_0001.exr").r);
 }
 
 }  // namespace

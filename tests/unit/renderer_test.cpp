@@ -1,7 +1,9 @@
 #include "viewer/renderer.h"
 
 #include "core/error.h"
+#include "core/sh.h"
 #include "tests/scene_builder.h"
+#include "viewer/environment_light.h"
 #include "viewer/headless.h"
 
 #include <gtest/gtest.h>
@@ -237,6 +239,101 @@ TEST_F(Picture, IsDevelopedAsSrgbWithItsTopRowFirst) {
     EXPECT_EQ(upper.b, 255);
     EXPECT_EQ(picture.at(16, 13).r, 255);
     EXPECT_NEAR(decode_srgb(picture.at(16, 13).b), sky.b, 0.003F);
+}
+
+/// Positive everywhere, with something in each of six bands.
+Sh36 six_bands() {
+    Sh36 sh{};
+    sh[0] = glm::vec3(20);
+    for (std::size_t i = 1; i < sh.size(); ++i) {
+        sh[i] = 0.5F * glm::vec3(std::sin(3.0F * i), std::cos(5.0F * i), std::sin(7.0F * i + 1));
+    }
+    return sh;
+}
+
+TEST_F(Picture, SixBandsOfTheBackgroundAreThoseOfTheLibrary) {
+    const Sh36 sh = six_bands();
+    Settings settings;
+    settings.background = Background::light;
+    settings.bands = most_bands;
+    renderer_.set_volume(volume_of(sh));
+    renderer_.set_environment(Environment::uniform(sky));
+    const Pane pane{{glm::ivec2(0), size}, settings};
+    for (const double yaw : {0.0, 75.0, 190.0, 300.0}) {
+        for (const double pitch : {-60.0, 0.0, 45.0}) {
+            frame_.pose = Pose{.yaw_deg = yaw, .pitch_deg = pitch};
+            renderer_.draw(frame_, std::span(&pane, 1), size, 1);
+            const RadianceImage image = renderer_.read_light();
+            for (const glm::ivec2 pixel : {glm::ivec2(0), glm::ivec2(9, 4), size - 1}) {
+                const glm::vec3 seen(ray_through(frame_.pose, frame_.lens, glm::dvec2(pixel), size));
+                expect_light(image, pixel, evaluate_sh(sh, seen), 2 * half_rounding);
+            }
+        }
+    }
+}
+
+TEST_F(Picture, AnObjectIsLitByAllBandsAndByTheReferenceWhereThatIsAsked) {
+    renderer_.set_object(make_sphere());
+    frame_.object = ObjectPlace{.position = {0, 0, -1}, .size = 0.5F};
+    const Sh36 sh = six_bands();
+    renderer_.set_volume(volume_of(sh));
+    Settings settings;
+    settings.dering = false;
+    settings.self_shadowing = false;
+    settings.bands = most_bands;
+    Pane pane{{glm::ivec2(0), size}, settings};
+    const auto shown = [&] {
+        renderer_.draw(frame_, std::span(&pane, 1), size, 1);
+        return renderer_.read_light();
+    };
+    const auto white = [](const Sh36& radiance) {  // the pixel's normal is 2 degrees off the axis at most
+        return irradiance_from_sh(std::span<const glm::vec3>(radiance), glm::vec3(0, 0, 1)) / std::numbers::pi_v<float>;
+    };
+    expect_light(shown(), size / 2, white(sh), 0.01F);
+    Sh36 other = sh;
+    for (glm::vec3& c : other) c *= 2;
+    other[20] += 20.0F;  // of band 4, which surfaces' three bands leave out
+    frame_.reference = other;
+    expect_light(shown(), size / 2, white(sh), 0.01F);
+    pane.settings.object_light = ObjectLight::reference;
+    expect_light(shown(), size / 2, white(other), 0.01F);
+    frame_.reference.reset();
+    expect_light(shown(), size / 2, white(sh), 0.01F);
+}
+
+TEST_F(Picture, TheEnvironmentTurnsWithItsLight) {
+    RadianceImage halves{64, 32, {}};  // red where x > 0, else blue
+    for (int y = 0; y < halves.height; ++y) {
+        for (int x = 0; x < halves.width; ++x) {
+            halves.pixels.push_back(x >= 16 && x < 48 ? glm::vec3(1, 0, 0) : glm::vec3(0, 0, 1));
+        }
+    }
+    const Environment environment = Environment::from_image(halves);
+    renderer_.set_environment(environment);
+    frame_.pose = looking_at(glm::dvec3(0), glm::dvec3(0, 0, -1));
+    frame_.environment_turn = glm::mat3(turn_about_up(90));  // what was at +X is ahead
+    const Pane pane{{glm::ivec2(0), size}, Settings{}};
+    renderer_.draw(frame_, std::span(&pane, 1), size, 1);
+    expect_light(renderer_.read_light(), size / 2, {1, 0, 0});
+    const Sh36 there = turned(reference_environment(environment), 90);
+    EXPECT_GT(evaluate_sh(there, glm::vec3(0, 0, -1)).r, 3 * evaluate_sh(there, glm::vec3(0, 0, 1)).r);
+}
+
+TEST_F(Picture, CountsLookUpsAndBytesOfLight) {
+    add_wall(add_grey(scene_, 0.5F));
+    static_cast<void>(draw());
+    const std::size_t first = renderer_.look_ups();
+    EXPECT_GT(first, 8U) << "the level's vertices, both sides";
+    const Pane pane{{glm::ivec2(0), size}, Settings{}};
+    renderer_.draw(frame_, std::span(&pane, 1), size, 1);
+    EXPECT_LT(renderer_.look_ups(), 4U) << "they are looked up once";
+    const std::size_t bytes = renderer_.bytes_of_light();
+    EXPECT_GT(bytes, 125 * 9 * sizeof(glm::vec3));
+    Settings half;
+    half.half = true;
+    const Pane other{{glm::ivec2(0), size}, half};
+    renderer_.draw(frame_, std::span(&other, 1), size, 1);
+    EXPECT_GT(renderer_.bytes_of_light(), 3 * bytes / 2);
 }
 
 TEST_F(Picture, ASizeOfNothingIsRefused) {

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <set>
+#include <string>
 
 namespace lightgrid {
 namespace {
@@ -71,11 +72,11 @@ TEST(Controls, WheelChangesTheSpeedAndBack) {
 
 TEST(Controls, SettingsComeRoundAgain) {
     for (const auto& [action, presses] :
-         {std::pair(Action::tone, 3), std::pair(Action::level_light, 4), std::pair(Action::object_light, 3),
+         {std::pair(Action::tone, 3), std::pair(Action::level_light, 4), std::pair(Action::object_light, 4),
           std::pair(Action::bands, 3), std::pair(Action::filter, 2), std::pair(Action::dering, 2),
-          std::pair(Action::half, 2), std::pair(Action::contact_shadow, 2), std::pair(Action::self_shadowing, 2),
-          std::pair(Action::level_colors, 3), std::pair(Action::probes, 3), std::pair(Action::cell, 2),
-          std::pair(Action::crowd, 2)}) {
+          std::pair(Action::half, 2), std::pair(Action::background, 3), std::pair(Action::contact_shadow, 2),
+          std::pair(Action::self_shadowing, 2), std::pair(Action::level_colors, 3), std::pair(Action::probes, 3),
+          std::pair(Action::cell, 2), std::pair(Action::crowd, 2)}) {
         Settings settings;
         int changed = 0;
         for (int i = 0; i < presses; ++i) {
@@ -88,6 +89,11 @@ TEST(Controls, SettingsComeRoundAgain) {
     Settings settings;
     for (int i = 0; i < 1000; ++i) static_cast<void>(apply(Action::more_gain, settings));
     EXPECT_EQ(settings.gain, std::exp2(most_stops));
+    for (int bands = 1; bands <= most_bands; ++bands) {
+        settings.bands = bands;
+        ASSERT_TRUE(apply(Action::bands, settings, most_bands));
+        EXPECT_EQ(settings.bands, bands % most_bands + 1);
+    }
     EXPECT_FALSE(apply(Action::quit, settings));
 }
 
@@ -112,10 +118,11 @@ TEST(Session, TheObjectIsDraggedInThePlaneThatFacesTheEye) {
     input.clicked = {MouseButton::left};
     input.buttons = {MouseButton::left};
     static_cast<void>(step(session, input, 0.01, size));
-    EXPECT_TRUE(session.dragged);
+    EXPECT_EQ(session.object.position, glm::dvec3(0, 0, -4)) << "it may become a click yet";
     input.clicked.clear();
     input.cursor = {599.5, 149.5};
     static_cast<void>(step(session, input, 0.01, size));
+    EXPECT_TRUE(session.dragged);
     const double half_height = 4 * std::tan(glm::radians(session.lens.vertical_angle_deg / 2));
     EXPECT_NEAR(session.object.position.x, 200.0 / 300 * half_height, 1e-9);
     EXPECT_NEAR(session.object.position.y, 150.0 / 300 * half_height, 1e-9);
@@ -123,8 +130,36 @@ TEST(Session, TheObjectIsDraggedInThePlaneThatFacesTheEye) {
     input.buttons.clear();
     input.cursor = {0, 0};
     const glm::dvec3 dropped = session.object.position;
-    static_cast<void>(step(session, input, 0.01, size));
+    EXPECT_FALSE(step(session, input, 0.01, size).click) << "this was a drag";
     EXPECT_EQ(session.object.position, dropped);
+}
+
+TEST(Session, APressThatDoesNotMoveIsAClick) {
+    Session session;
+    press(session, Key::f);
+    session.object.position = {0, 0, -4};
+    Input input;
+    for (const auto& [cursor, on_object] :
+         {std::pair(glm::dvec2(399.5, 299.5), true), std::pair(glm::dvec2(20.5, 20.5), false)}) {
+        input.cursor = cursor;
+        input.clicked = {MouseButton::left};
+        input.buttons = {MouseButton::left};
+        EXPECT_FALSE(step(session, input, 0.01, size).click);
+        input.clicked.clear();
+        input.cursor += glm::dvec2(click_pixels / 2, 0);
+        EXPECT_FALSE(step(session, input, 0.01, size).click);
+        input.buttons.clear();
+        const std::optional<Click> click = step(session, input, 0.01, size).click;
+        ASSERT_TRUE(click);
+        EXPECT_EQ(click->on_object, on_object);
+        const glm::dvec3 seen = ray_through(session.pose, session.lens, input.cursor, size);
+        EXPECT_NEAR(glm::length(click->direction - seen), 0, 1e-12);
+        EXPECT_FALSE(step(session, input, 0.01, size).click) << "once";
+    }
+    // Down and up between two frames.
+    input.clicked = {MouseButton::left};
+    EXPECT_TRUE(step(session, input, 0.01, size).click);
+    EXPECT_EQ(session.object.position, glm::dvec3(0, 0, -4));
 }
 
 TEST(Session, AClickBesideTheObjectDragsNothing) {
@@ -140,19 +175,64 @@ TEST(Session, AClickBesideTheObjectDragsNothing) {
     EXPECT_EQ(session.object.position, glm::dvec3(0, 0, -4));
 }
 
-TEST(Session, SplitScreenKeepsTheOldSettingsOnTheLeft) {
+TEST(Session, SplitScreenShowsOneDifferenceOnSidesOfOneWidth) {
     Session session;
+    session.settings.gain = 2;
+    EXPECT_EQ(panes_of(session, size).size(), 1U);
+    press(session, Key::x);
+    std::set<std::string> names;
+    for (int i = 0; i < comparisons; ++i) {
+        const std::vector<Side> sides = sides_of(session);
+        ASSERT_EQ(sides.size(), session.comparison == Comparison::bands ? 3U : 2U);
+        const std::vector<Pane> panes = panes_of(session, {801, 600});
+        ASSERT_EQ(panes.size(), sides.size());
+        int left = 0;
+        for (std::size_t k = 0; k < panes.size(); ++k) {
+            EXPECT_EQ(panes[k].part.corner.x, left);
+            EXPECT_NEAR(panes[k].part.size.x, 801.0 / static_cast<double>(panes.size()), 1);
+            left += panes[k].part.size.x;
+            EXPECT_EQ(panes[k].settings, sides[k].settings);
+            EXPECT_EQ(sides[k].settings.gain, 2);
+            EXPECT_TRUE(names.insert(sides[k].name).second) << sides[k].name;
+        }
+        EXPECT_EQ(left, 801);
+        EXPECT_EQ(sides[0].settings == sides[1].settings, session.comparison == Comparison::earlier);
+        press(session, Key::m);
+    }
+    EXPECT_EQ(session.comparison, Session().comparison) << "they come round again";
+    EXPECT_EQ(panes_of(session, {1, 600}).size(), 1U) << "no room for two";
+    press(session, Key::x);
+    EXPECT_EQ(panes_of(session, size).size(), 1U);
+}
+
+TEST(Session, SplitScreenComparesWithWhatWasSetBefore) {
+    Session session;
+    session.comparison = Comparison::earlier;
     press(session, Key::x);
     press(session, Key::b);
-    const std::vector<Pane> panes = panes_of(session, {801, 600});
+    const std::vector<Pane> panes = panes_of(session, size);
     ASSERT_EQ(panes.size(), 2U);
     EXPECT_EQ(panes[0].settings.bands, 3);
     EXPECT_EQ(panes[1].settings.bands, 1);
-    EXPECT_EQ(panes[0].part.size.x + panes[1].part.size.x, 801);
-    EXPECT_EQ(panes[1].part.corner.x, panes[0].part.size.x);
-    press(session, Key::x);
-    EXPECT_EQ(panes_of(session, size).size(), 1U);
-    EXPECT_EQ(panes_of(session, size)[0].settings.bands, 1);
+}
+
+TEST(Session, TheLightTurnsWhileItsKeyIsHeldOrByItself) {
+    Session session;
+    Input input;
+    input.held = {Key::right_bracket};
+    static_cast<void>(step(session, input, 0.1, size));
+    EXPECT_FALSE(session.environment) << "a level's light stays";
+    session.environment.emplace();
+    static_cast<void>(step(session, input, 0.1, size));
+    EXPECT_NEAR(session.environment->turned_deg, 0.1 * turn_deg_per_s, 1e-9);
+    const glm::vec3 turned = frame_of(session).environment_turn * glm::vec3(1, 0, 0);
+    EXPECT_LT(turned.z, 0) << "counter-clockwise seen from above: from +X towards -Z";
+    input.held = {Key::left_bracket};
+    for (int i = 0; i < 2; ++i) static_cast<void>(step(session, input, 0.1, size));
+    EXPECT_NEAR(session.environment->turned_deg, 360 - 0.1 * turn_deg_per_s, 1e-9);
+    session.turning = true;
+    static_cast<void>(step(session, {}, 0.1, size));
+    EXPECT_NEAR(std::remainder(session.environment->turned_deg, 360), 0, 1e-9);
 }
 
 TEST(Session, FliesThePathToItsEndUnlessAPersonSteers) {
@@ -200,9 +280,14 @@ TEST(Session, ARecordedPathIsTheOneThatWasFlown) {
 TEST(Session, WhatIsForTheProgramIsPassedOn) {
     Session session;
     Input input;
-    input.pressed = {Key::f12, Key::digit_2, Key::b, Key::space, Key::escape};
+    input.pressed = {Key::f12, Key::digit_2, Key::b, Key::space, Key::f1, Key::tab, Key::i, Key::escape};
+    input.dropped = {"sky.hdr"};
     const Requests requests = step(session, input, 0.01, size);
-    EXPECT_EQ(requests.actions, (std::vector{Action::screenshot, Action::bunny, Action::quit}));
+    EXPECT_EQ(requests.actions,
+              (std::vector{Action::screenshot, Action::bunny, Action::next_environment, Action::quit}));
+    EXPECT_EQ(requests.files, std::vector<std::string>{"sky.hdr"});
+    EXPECT_TRUE(session.show_help);
+    EXPECT_FALSE(session.show_panel);
 }
 
 }  // namespace

@@ -6,7 +6,8 @@
 #include "pixel_light.glsl"
 #endif
 
-uniform vec3 irradiance[9];
+uniform vec3 irradiance[36];
+uniform int bands;
 uniform float light_scale;  // exposure x gain / pi
 uniform sampler2D base_color_map;
 uniform sampler2D emission_map;
@@ -26,7 +27,7 @@ in vec3 own_light;
 out vec4 color;
 
 vec3 light(vec3 normal) {
-    vec3 whole = max(evaluate_sh(irradiance, normal), 0.0);
+    vec3 whole = max(evaluate_sh(irradiance, bands, normal), 0.0);
 #ifdef PIXEL_LIGHT
     vec3 here = pixel_irradiance(at, normal);
 #else
@@ -39,7 +40,9 @@ vec3 light(vec3 normal) {
     vec3 base = max(whole, 0.01 * irradiance[0]);
     here *= clamp(own_light / max(base, 1e-20), 0.0, 2.0);
 #else
-    here = max(own_light, 0.0);
+    here = own_light;
+    if (bands > 3) here += evaluate_higher_sh(irradiance, normal);  // transfer is of three bands
+    here = max(here, 0.0);
 #endif
 #endif
     return here;
