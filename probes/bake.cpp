@@ -294,11 +294,11 @@ BakePlan plan_bake(const PathTracer& paths, const BakeOptions& options, const Pr
         plan.left_out.push_back({"the surface cache", fmt::format("{} probes are few", plan.points.size()),
                                  "solving for the light of all surfaces"});
     }
-    Cost cost =
-        measure_cost(paths, plan.points, options.samples.value_or(least_default_samples), options.seed, pilot);
+    Cost cost = measure_cost(paths, plan.points, options.samples.value_or(least_default_samples), options.seed, pilot);
     double paths_per_ray = 1;
     if (plan.method == Method::cache && cost.rays > 0) {
-        const double rays = 1 + 1.0 / GatherRays{}.rays_per_light_sample;
+        const double rays = 1 + (paths.estimators().emitters ? 1.0 / GatherRays{}.rays_per_emitter_sample : 0.0) +
+                            (paths.estimators().environment ? 1.0 / GatherRays{}.rays_per_sky_sample : 0.0);
         paths_per_ray = std::min(1.0, rays / cost.rays);
         cost = {rays, cost.seconds * rays / cost.rays};
     }
