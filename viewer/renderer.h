@@ -22,7 +22,7 @@ struct Frame {
     Pose pose;
     Lens lens;
     std::optional<ObjectPlace> object{};
-    double time_s = 0;  // of what moves by itself
+    double time_s = 0;                // of what moves by itself
     std::optional<Sh36> reference{};  // radiance at the object as the path tracer has it: ObjectLight::reference
     glm::mat3 environment_turn{1};    // from the environment's own axes to the level's
 };
