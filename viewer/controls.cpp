@@ -36,7 +36,7 @@ constexpr std::array bindings{
     KeyBinding{Key::v, Action::level_colors, "V", "false colours on the level: none, irradiance, standard error"},
     KeyBinding{Key::z, Action::probes, "Z", "probes: none, in sight, through walls"},
     KeyBinding{Key::c, Action::cell, "C", "the cell that the object is in, with its weights"},
-    KeyBinding{Key::m, Action::crowd, "M", "a thousand objects, each lit by a look-up of its own"},
+    KeyBinding{Key::y, Action::crowd, "Y", "a thousand objects, each lit by a look-up of its own"},
     KeyBinding{Key::u, Action::background, "U", "background: environment, its coefficients, none"},
     KeyBinding{Key::i, Action::next_environment, "I", "the next environment of its folder"},
     KeyBinding{Key::comma, Action::less_gain, ",", "less light from the volume"},
