@@ -1,10 +1,15 @@
 #include "viewer/object_shadow.h"
 
+#include "core/sampling.h"
+
+#include <algorithm>
+#include <numbers>
+
 namespace lightgrid {
 namespace {
 
-/// In radii. The shadow of the distant light is (r / (0.25 d))^2 dark at most, see contact_shadow.glsl.
-constexpr double reach = 64;
+/// In radii. The shadow of the distant light is (r / (0.25 d))^2 dark at most (contact_shadow.glsl): 4 % here.
+constexpr double reach = 20;
 
 }  // namespace
 
@@ -16,9 +21,10 @@ bool ObjectShadow::reaches(const Box& box) const {
 void set_shadow(const Uniforms& uniforms, const ObjectShadow& shadow) {
     uniforms.set("shadow_center", shadow.center);
     uniforms.set("shadow_radius", shadow.radius);
+    uniforms.set("shadow_reach", static_cast<float>(reach));
     uniforms.set("shadow_direction", shadow.light.direction);
-    uniforms.set("shadow_illuminance", shadow.light.illuminance);
-    uniforms.set("shadow_ambient", shadow.light.ambient);
+    const float rest = std::max(std::numbers::pi_v<float> * luminance(shadow.light.ambient), 1e-30F);
+    uniforms.set("shadow_contrast", std::min(luminance(shadow.light.illuminance) / rest, 1e4F));
 }
 
 }  // namespace lightgrid

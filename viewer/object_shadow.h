@@ -14,7 +14,7 @@ struct ObjectShadow {
     float radius = 0;     // metres
     DominantLight light;  // at the centre
 
-    /// Some of a box (relative to Scene::origin) may be darkened by a 256th and more.
+    /// Some of a box (relative to Scene::origin) may be darkened.
     [[nodiscard]] bool reaches(const Box& box) const;
 };
 

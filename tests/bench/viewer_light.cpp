@@ -49,6 +49,10 @@ std::vector<Way> all_ways() {
         s.object_light = ObjectLight::object;
         s.level_light = LevelLight::vertex;
     });
+    add("with contact shadow", [](Settings& s) {
+        s = Settings();
+        s.self_shadowing = false;
+    });
     add("with contact shadow and self-shadowing", [](Settings& s) { s = Settings(); });
     add("object per pixel", [](Settings& s) { s.object_light = ObjectLight::pixel; });
     add("level and object per pixel", [](Settings& s) {
