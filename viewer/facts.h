@@ -1,5 +1,6 @@
 #pragma once
 
+#include "tools/volume_summary.h"
 #include "viewer/look_up.h"
 #include "viewer/reference_probe.h"
 
@@ -39,6 +40,7 @@ struct Facts {
     std::size_t look_ups = 0;  // in the last frame
     std::size_t bytes = 0;     // of light: volumes in memory and tables on the card
     std::shared_ptr<const LitVolume> volume;
+    VolumeSummary summary;         // of it
     std::string baking;            // what a bake does now; empty: none
     std::string object_reference;  // how far the reference at the object is; empty: not wanted
     std::optional<ClickedLight> clicked;

@@ -64,6 +64,7 @@ void LevelStage::take(const std::shared_ptr<const LitVolume>& volume) {
         spacing_ = volume->spacing;
     }
     volume_ = volume;
+    summary_ = summarize(volume->volume);
     session_.bands = std::clamp(volume->volume.bands, 1, most_bands);
     renderer_.set_volume(volume);
     if (default_flight_known_) return;
@@ -162,6 +163,7 @@ std::optional<ClickedLight> LevelStage::clicked_light() const {
 
 void LevelStage::complete(Facts& facts) const {
     facts.volume = volume_;
+    facts.summary = summary_;
     if (bake_) {
         const BackgroundBake::Status status = bake_->status();
         if (status.working && status.samples == 0) facts.baking = "looks for places of probes";

@@ -57,6 +57,7 @@ class LevelStage {
     Session& session_;
     Tell tell_;
     std::shared_ptr<const LitVolume> volume_;
+    VolumeSummary summary_;
     std::optional<double> spacing_;  // that the level has been divided for
     std::optional<BackgroundBake> bake_;
     std::future<DefaultFlight> default_flight_;

@@ -25,7 +25,6 @@ using Clock = std::chrono::steady_clock;
 
 // In units of the display's scale.
 constexpr float font_pixels = 13;
-constexpr float panel_width = 288;
 constexpr float least_width = 640;  // of a window that has room for the panel
 constexpr float margin = 8;
 
@@ -91,14 +90,13 @@ void mark(const Session& session, glm::dvec3 position, std::size_t sides, const 
     }
 }
 
-/// Light that was clicked at: two spheres and their numbers. Returns the window's left side.
-float lay_out_clicked(const ClickedLight& clicked, GLuint spheres, const Area& area, Requests& requests) {
+/// Light that was clicked at, in the upper left: two spheres and their numbers. (Legends are in the upper right.)
+void lay_out_clicked(const ClickedLight& clicked, GLuint spheres, const Area& area, Requests& requests) {
     const ImVec2 picture(static_cast<float>(SpherePair::size.x) * area.scale,
                          static_cast<float>(SpherePair::size.y) * area.scale);
-    ImGui::SetNextWindowPos({area.right() - margin * area.scale, margin * area.scale}, ImGuiCond_Always, {1, 0});
+    ImGui::SetNextWindowPos({area.corner.x + margin * area.scale, margin * area.scale});
     ImGui::SetNextWindowBgAlpha(0.8F);
     ImGui::Begin("clicked", nullptr, fixed | ImGuiWindowFlags_AlwaysAutoResize);
-    const float left = ImGui::GetWindowPos().x;
     ImGui::Text("Light %s", clicked.on_surface ? "on the surface" : "towards the eye");
     ImGui::SameLine(picture.x);
     if (ImGui::SmallButton("x")) requests.forget_click = true;
@@ -118,7 +116,6 @@ float lay_out_clicked(const ClickedLight& clicked, GLuint spheres, const Area& a
         ImGui::TextDisabled("%u rays%s", clicked.samples, clicked.last ? "" : " ...");
     }
     ImGui::End();
-    return left;
 }
 
 void lay_out_help(const Area& area, bool& open) {
@@ -162,10 +159,8 @@ struct Overlay::State {
         return static_cast<float>(pixels) / ImGui::GetIO().DisplayFramebufferScale.x;
     }
 
-    /// Messages of the last seconds, in the upper left, as wide as there is room.
-    ///
-    /// free  where room ends
-    void lay_out_told(const Area& area, float free);
+    /// Messages of the last seconds, in the lower left, above the names of sides.
+    void lay_out_told(const Area& area);
 };
 
 Overlay::Overlay(Window& window) : state_(std::make_unique<State>(State{window, 1, {}, {}})) {
@@ -241,20 +236,19 @@ void Overlay::lay_out(Session& session, const Facts& facts, const Layout& layout
         return;
     }
     lay_out_names(sides, area);
-    float free = area.right();
     if (facts.clicked) {
         mark(session, facts.clicked->position, sides.size(), area);
-        free = lay_out_clicked(*facts.clicked, spheres, area, requests);
+        lay_out_clicked(*facts.clicked, spheres, area, requests);
     }
-    state_->lay_out_told(area, free);
+    state_->lay_out_told(area);
 }
 
-void Overlay::State::lay_out_told(const Area& area, float free) {
+void Overlay::State::lay_out_told(const Area& area) {
     while (!told.empty() && told.front().until < Clock::now()) told.pop_front();
     if (told.empty()) return;
-    const float width = free - area.corner.x - 2 * margin * scale;
-    if (width < 8 * margin * scale) return;
-    ImGui::SetNextWindowPos({area.corner.x + margin * scale, area.corner.y + margin * scale});
+    const float width = area.size.x - 2 * margin * scale;
+    const float foot = area.bottom() - 2 * margin * scale - 2 * ImGui::GetTextLineHeight();
+    ImGui::SetNextWindowPos({area.corner.x + margin * scale, foot}, ImGuiCond_Always, {0, 1});
     ImGui::SetNextWindowBgAlpha(0.7F);
     ImGui::Begin("told", nullptr, only_seen);
     ImGui::PushTextWrapPos(width - 2 * ImGui::GetStyle().WindowPadding.x);

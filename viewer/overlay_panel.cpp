@@ -65,25 +65,18 @@ std::string setting(const Volume& volume, const char* name) {
     return found == volume.settings.end() ? "" : found->second;
 }
 
-void lay_out_volume(const Volume& volume) {
-    std::size_t lattice = 0;
-    std::size_t valid = 0;
-    std::size_t moved = 0;
-    for (const ProbeState state : volume.states) {
-        lattice += state == ProbeState::absent ? 0 : 1;
-        valid += is_valid(state) ? 1 : 0;
-        moved += state == ProbeState::moved ? 1 : 0;
-    }
+void lay_out_volume(const Volume& volume, const VolumeSummary& summary) {
     for (const Grid& grid : volume.grids) {
         number("grid", fmt::format("{} x {} x {}, {:.3g} m", grid.counts.x, grid.counts.y, grid.counts.z,
                                    std::max({grid.spacing.x, grid.spacing.y, grid.spacing.z})));
     }
-    number("probes", fmt::format("{}: {} valid, {} of them moved", lattice, valid, moved));
+    number("probes", fmt::format("{}: {} valid, {} moved", summary.probes(), summary.count(ProbeState::valid),
+                                 summary.count(ProbeState::moved)));
     number("bands", fmt::format("{}, stored as {}", volume.bands, volume.half ? "half" : "float"));
-    for (const auto& [key, name] : {std::pair("samples", "rays/probe"), std::pair("noise", "noise"),
-                                    std::pair("error", "error"), std::pair("environment", "environment")}) {
+    for (const auto& [key, name] : {std::pair("samples", "rays/probe"), std::pair("environment", "environment")}) {
         if (const std::string value = setting(volume, key); !value.empty()) number(name, value);
     }
+    number("noise", fmt::format("{:.2g} % of irradiance", 100 * summary.relative_noise));
 }
 
 void lay_out_statistics(const Facts& facts) {
@@ -91,7 +84,7 @@ void lay_out_statistics(const Facts& facts) {
     number("look-ups", fmt::format("{} a frame", facts.look_ups));
     number("light", bytes_in_words(facts.bytes));
     if (!facts.baking.empty()) number("bakes", facts.baking);
-    if (facts.volume != nullptr && !facts.environment) lay_out_volume(facts.volume->volume);
+    if (facts.volume != nullptr && !facts.environment) lay_out_volume(facts.volume->volume, facts.summary);
 }
 
 /// The panel while it is laid out.

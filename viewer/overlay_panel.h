@@ -7,6 +7,9 @@
 
 namespace lightgrid {
 
+/// In units of the display's scale.
+inline constexpr float panel_width = 288;
+
 /// What a person is typing into the panel.
 struct PanelText {
     std::string environment;  // path
