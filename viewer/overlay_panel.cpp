@@ -179,6 +179,7 @@ void lay_out_data(const Panel& panel) {
     constexpr std::array probes{"none", "in sight", "through walls"};
     choose(with_key("probes", Action::probes), settings.probes, probes);
     if (settings.probes != ProbesShown::none) lay_out_states();
+    ImGui::Checkbox(with_key("a thousand objects", Action::crowd).c_str(), &settings.show_crowd);
     ImGui::Checkbox(with_key("the object's cell", Action::cell).c_str(), &settings.show_cell);
     if (settings.show_cell && panel.facts.volume != nullptr) {
         lay_out_weights(look_up(*panel.facts.volume, settings), panel.session.object.position);

@@ -105,6 +105,7 @@ class Sweep : public PanelTest, public testing::WithParamInterface<bool> {
         note("colours", now.level_colors != was.level_colors);
         note("probes", now.probes != was.probes);
         note("cell", now.show_cell != was.show_cell);
+        note("crowd", now.show_crowd != was.show_crowd);
         note("gain", now.gain != was.gain);
         note("exposure", now.exposure_stops != was.exposure_stops);
         note("automatic exposure", now.automatic_exposure != was.automatic_exposure);
@@ -155,9 +156,9 @@ TEST_P(Sweep, ReachesEveryControl) {
                 for (const bool pressed : {false, true, false}) {
                     const Requests requests = lay_out({1280, 1500}, {x, y + below}, pressed);
                     actions.insert(requests.actions.begin(), requests.actions.end());
+                    note_changes(was, before);
                 }
             }
-            note_changes(was, before);
             ASSERT_TRUE(is_in_range()) << x << ", " << y;
         }
     }
@@ -171,7 +172,7 @@ TEST_P(Sweep, ReachesEveryControl) {
     if (environment) {
         names.insert(names.end(), {"samples", "sampling", "turned", "turning"});
     } else {
-        names.insert(names.end(), {"level", "contact shadow", "colours", "probes", "cell"});
+        names.insert(names.end(), {"level", "contact shadow", "colours", "probes", "cell", "crowd"});
     }
     for (const char* name : names) EXPECT_TRUE(changed_.contains(name)) << name;
     for (const Action action :
