@@ -35,7 +35,7 @@ constexpr std::array bindings{
     KeyBinding{Key::v, Action::level_colors, "V", "false colours on the level: none, irradiance, standard error"},
     KeyBinding{Key::z, Action::probes, "Z", "probes: none, in sight, through walls"},
     KeyBinding{Key::c, Action::cell, "C", "the cell that the object is in, with its weights"},
-    KeyBinding{Key::m, Action::crowd, "M", "a thousand objects, each lit by a look-up of its own"},
+    KeyBinding{Key::y, Action::crowd, "Y", "a thousand objects, each lit by a look-up of its own"},
     KeyBinding{Key::comma, Action::less_gain, ",", "less light from the volume"},
     KeyBinding{Key::period, Action::more_gain, ".", "more light from the volume"},
     KeyBinding{Key::minus, Action::less_exposure, "-", "shorter exposure"},
