@@ -57,15 +57,17 @@ void draw_legend(Canvas& canvas, glm::ivec2 corner, int height, const LogScale& 
     constexpr int bar = 26;
     constexpr int line_height = 24;
     constexpr double room_for_text = 14;
-    const std::size_t every = height < room_for_text * static_cast<double>(scale.marks.size() - 1) ? 3 : 1;
+    const bool crowded = height < room_for_text * static_cast<double>(scale.marks.size() - 1);
     for (int y = 0; y < height; ++y) {
         canvas.fill(corner + glm::ivec2(0, y), {bar, 1},
                     false_color(1 - static_cast<float>(y) / static_cast<float>(height - 1)));
     }
-    for (std::size_t i = 0; i < scale.marks.size(); ++i) {
-        const int y = corner.y + static_cast<int>(std::lround((1 - scale.place(scale.marks[i])) * (height - 1)));
+    for (const double number : scale.marks) {
+        const int y = corner.y + static_cast<int>(std::lround((1 - scale.place(number)) * (height - 1)));
         canvas.fill({corner.x + bar, y}, {7, 1}, ink);
-        if (i % every == 0) canvas.text({corner.x + bar + 12, y - 5}, fmt::format("{}", scale.marks[i]), ink);
+        const double decade = std::log10(number);
+        const bool round = std::abs(decade - std::round(decade)) < 0.1;  // 1, not 2 or 5
+        if (round || !crowded) canvas.text({corner.x + bar + 12, y - 5}, fmt::format("{}", number), ink);
     }
     canvas.text({corner.x, corner.y - line_height}, unit, ink);
 }

@@ -82,8 +82,8 @@ void ObjectDrawing::prepare_transfer() {
     gl_.BindBuffer(GL_ARRAY_BUFFER, transfer_.name());
     gl_.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(transfer.size() * sizeof(float)), transfer.data(),
                    GL_STATIC_DRAW);
-    for (GLuint third = 0; third < 3; ++third) {
-        enable_attribute(gl_, 5 + third, 3, 9 * sizeof(float), 3 * third * sizeof(float));
+    for (std::size_t third = 0; third < 3; ++third) {
+        enable_attribute(gl_, static_cast<GLuint>(5 + third), 3, 9 * sizeof(float), 3 * third * sizeof(float));
     }
     gl_.BindVertexArray(0);
 }

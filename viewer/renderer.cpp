@@ -21,7 +21,7 @@ constexpr std::size_t most_light_tables = 4;
 /// Of light that gives every surface the same irradiance E: L_0 = E / (A_0 Y_00) = 2 E / sqrt(pi).
 constexpr float uniform_first_coefficient = 2 * std::numbers::inv_sqrtpi_v<float>;
 
-constexpr glm::ivec2 legend_size(120, 220);
+constexpr glm::ivec2 legend_size(134, 220);
 const glm::vec3 paper = hex_color(0xF4F2EE);
 const glm::vec3 ink = hex_color(0x22252A);
 

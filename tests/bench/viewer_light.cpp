@@ -107,6 +107,7 @@ void run(const std::string& level, int rounds) {
     std::vector<double> shares;
     for (int round = 0; round < rounds; ++round) {
         std::vector<double> seconds;
+        seconds.reserve(ways.size());
         for (const Way& way : ways) seconds.push_back(seconds_of([&] { draw(way.settings); }).processor);
         plain_ms.push_back(1000 * seconds[0] / frames);
         for (std::size_t w = 0; w < ways.size(); ++w) ratios[w].push_back(seconds[w] / seconds[0]);

@@ -192,8 +192,9 @@ TEST_F(Lit, TheContactShadowFallsAwayFromTheLight) {
         const RadianceImage with = draw();
         const auto kept = [&](double x, double y) {
             // The pixel that sees this point of the wall.
-            const double pixels = size.y / 2 / std::tan(glm::radians(frame_.lens.vertical_angle_deg) / 2) / -wall_z;
-            const glm::ivec2 at(static_cast<int>(size.x / 2 + x * pixels), static_cast<int>(size.y / 2 - y * pixels));
+            const double pixels = 0.5 * size.y / std::tan(glm::radians(frame_.lens.vertical_angle_deg) / 2) / -wall_z;
+            const glm::ivec2 at(static_cast<int>(0.5 * size.x + x * pixels),
+                                static_cast<int>(0.5 * size.y - y * pixels));
             return with.at(at.x, at.y).g / without.at(at.x, at.y).g;
         };
         // On the axis of the shadow all of the light is hidden, and of the rest what a sphere hides; 0.85 of both.
@@ -270,7 +271,7 @@ TEST_F(Lit, ProbesShowTheirOwnLightWithinARimOfTheirState) {
         EXPECT_EQ(image.at(2, 16), wall);
         // 0.12 spacings at 0.25 m; the rim is the outer fifth.
         const double radius = 0.12 / 0.25 / std::tan(glm::radians(frame_.lens.vertical_angle_deg) / 2) * size.y / 2;
-        const int rim = static_cast<int>(std::floor(size.x / 2 + 0.95 * radius));
+        const int rim = static_cast<int>(std::floor(0.5 * size.x + 0.95 * radius));
         const glm::u8vec4 got = renderer_.target().read_picture().at(rim, 16);
         const glm::vec3 want = 255.0F * state_color(state);
         for (int c = 0; c < 3; ++c) EXPECT_NEAR(got[c], want[c], 2.5) << static_cast<int>(state);
