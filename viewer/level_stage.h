@@ -44,7 +44,7 @@ class LevelStage {
     void complete(Frame& frame) const;
     void complete(Facts& facts) const;
 
-    static constexpr int reference_bands = 5;  // no normal tells more: A_5 = 0, and A_6 is 1 % of A_0
+    static constexpr int reference_bands = 5;  // A_5 = 0, and A_6 is 1.6 % of A_0
 
   private:
     void take(const std::shared_ptr<const LitVolume>& volume);
