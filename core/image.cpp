@@ -26,6 +26,7 @@
 #include <cstring>
 #include <limits>
 #include <memory>
+#include <numeric>
 #include <string_view>
 #include <zlib.h>
 
@@ -100,11 +101,25 @@ bool png_is_intact(Bytes bytes) {
     return false;
 }
 
+/// The tables of a JPEG's DHT segment (class and number, 16 counts, symbols) hold no more symbols than there can be.
+bool huffman_tables_fit(std::span<const unsigned char> segment) {
+    constexpr std::size_t counts = 16, most_symbols = 256;
+    while (!segment.empty()) {
+        if (segment.size() < 1 + counts) return false;
+        const auto count = segment.subspan(1, counts);
+        const auto symbols = std::accumulate(count.begin(), count.end(), std::size_t{0});
+        if (symbols > most_symbols || 1 + counts + symbols > segment.size()) return false;
+        segment = segment.subspan(1 + counts + symbols);
+    }
+    return true;
+}
+
 /// stb_image fills what a cut JPEG lacks with grey, so that its end is looked for here: walks the markers to the EOI.
-bool jpeg_is_complete(Bytes bytes) {
+/// Before version 2.28 it also writes Huffman tables that are too large over what comes behind them.
+bool jpeg_is_intact(Bytes bytes) {
     const unsigned char* data = as_chars(bytes);
     const std::size_t size = bytes.size();
-    constexpr unsigned soi = 0xd8, eoi = 0xd9, sos = 0xda, tem = 0x01, rst0 = 0xd0, rst7 = 0xd7;
+    constexpr unsigned soi = 0xd8, eoi = 0xd9, sos = 0xda, dht = 0xc4, tem = 0x01, rst0 = 0xd0, rst7 = 0xd7;
     bool in_scan = false;
     std::size_t i = 0;
     while (i + 1 < size) {
@@ -122,7 +137,10 @@ bool jpeg_is_complete(Bytes bytes) {
         } else {
             if (i + 3 >= size) return false;
             in_scan = in_scan || marker == sos;
-            i += 2 + (data[i + 2] << 8 | data[i + 3]);
+            const std::size_t length = data[i + 2] << 8 | data[i + 3];  // of itself and what follows
+            if (length < 2 || i + 2 + length > size) return false;
+            if (marker == dht && !huffman_tables_fit({data + i + 4, length - 2})) return false;
+            i += 2 + length;
         }
     }
     return false;
@@ -146,8 +164,8 @@ ByteImage decode_stb(Bytes bytes, Format format, const std::string& where) {
     const std::string_view name = format == Format::png ? "PNG" : "JPEG";
     if (format == Format::png && !png_is_intact(bytes))
         throw undecodable(name, "it ends too early, or a checksum is wrong", where);
-    if (format == Format::jpeg && !jpeg_is_complete(bytes))
-        throw undecodable(name, "it ends before its end-of-image marker", where);
+    if (format == Format::jpeg && !jpeg_is_intact(bytes))
+        throw undecodable(name, "it ends before its end-of-image marker, or a Huffman table is too large", where);
 
     const int size = static_cast<int>(bytes.size());
     ByteImage image;

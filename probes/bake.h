@@ -99,7 +99,7 @@ struct BakeResult {
     ErrorPart noise;                   // over all probes: always known
     std::uint32_t replicates = 0;
     std::vector<CurvePoint> curve;
-    std::vector<LookUp> look_ups;  // where asked for and the error was measured
+    std::vector<LookUpCost> look_ups;  // where asked for and the error was measured
     std::vector<LeftOut> left_out;
     std::vector<Stage> stages;
     std::optional<CacheMade> cache;
@@ -113,8 +113,11 @@ struct Doing {
     std::uint64_t rays = 0;            // so far in this stage
     std::optional<double> error = {};  // relRMSE of what has been gathered so far: of all that is known of it
 };
-/// Called from any thread, one at a time.
+/// Called from any thread, one at a time. What it throws ends the work soon and comes out of plan_bake or run_bake.
 using Progress = std::function<void(const Doing& doing)>;
+
+/// As many for every probe, whatever had been decided. Whole replicates (GatherOptions).
+void set_samples(BakePlan& plan, std::uint32_t samples);
 
 [[nodiscard]] BakePlan plan_bake(const PathTracer& paths, const BakeOptions& options, const Progress& progress = {});
 [[nodiscard]] BakeResult run_bake(const PathTracer& paths, const BakePlan& plan, const BakeOptions& options,

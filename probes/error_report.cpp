@@ -58,6 +58,7 @@ ErrorPart summarise(const std::vector<PointSums>& sums, double PointSums::*part)
     ErrorPart result;
     result.relrmse = ratio([](std::size_t i) { return i; });
     std::vector<double> resampled;
+    resampled.reserve(resamplings);
     RandomStream random(0);
     for (int k = 0; k < resamplings; ++k) {
         resampled.push_back(ratio([&](std::size_t) {

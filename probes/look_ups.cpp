@@ -61,9 +61,9 @@ Volume first_bands(const Volume& volume, int bands) {
 
 }  // namespace
 
-std::vector<LookUp> compare_look_ups(const Volume& volume, const HeldOut& reference, std::uint64_t seed) {
+std::vector<LookUpCost> compare_look_ups(const Volume& volume, const HeldOut& reference, std::uint64_t seed) {
     const Places places = spread_over_grids(volume, seed);
-    std::vector<LookUp> look_ups;
+    std::vector<LookUpCost> look_ups;
     for (int bands = 1; bands <= volume.bands; ++bands) {
         Volume kept = first_bands(volume, bands);
         for (const bool half : {false, true}) {

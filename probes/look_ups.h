@@ -11,7 +11,7 @@
 namespace lightgrid {
 
 /// A way to keep a volume and to read it: how wrong, how long, how large.
-struct LookUp {
+struct LookUpCost {
     Interpolation interpolation = Interpolation::trilinear;
     int bands = 1;
     bool half = false;
@@ -25,6 +25,7 @@ struct LookUp {
 /// what else a machine does only adds to it.
 ///
 /// volume  with cells, not rounded
-[[nodiscard]] std::vector<LookUp> compare_look_ups(const Volume& volume, const HeldOut& reference, std::uint64_t seed);
+[[nodiscard]] std::vector<LookUpCost> compare_look_ups(const Volume& volume, const HeldOut& reference,
+                                                       std::uint64_t seed);
 
 }  // namespace lightgrid

@@ -365,17 +365,18 @@ void PathTracer::gather_cached(glm::vec3 point, std::uint64_t key, std::span<con
     const Vertex probe{point, nullptr, {}};
     const SkyLight& sky = rays.cache->sky();
     const auto count = static_cast<std::uint32_t>(even.size());
-    const std::uint32_t light_samples = std::max(1U, count / rays.rays_per_light_sample);
-    const float rays_per_sample = static_cast<float>(count) / static_cast<float>(light_samples);
-    const float sample_share = 1 / static_cast<float>(light_samples);
     const std::uint64_t lights_key = mix_bits(key, lighting);  // so that these are stratified by themselves
-    for (std::uint32_t i = 0; i < light_samples && use_.emitters; ++i) {
+    const std::uint32_t emitter_samples = std::max(1U, count / rays.rays_per_emitter_sample);
+    const float emitter_samples_per_ray = static_cast<float>(emitter_samples) / static_cast<float>(count);
+    for (std::uint32_t i = 0; i < emitter_samples && use_.emitters; ++i) {
         Dimensions dimensions(lights_key, i);
-        add(from_emitters(probe, dimensions, counts, rays_per_sample), sample_share, out, counts);
+        add(from_emitters(probe, dimensions, counts, 1 / emitter_samples_per_ray),
+            1 / static_cast<float>(emitter_samples), out, counts);
     }
     if (sky.has_samples()) {
-        for (const SkyLight::Sample& sample : sky.samples(lights_key, light_samples)) {
-            add(from_sky(probe, sample, counts), sample_share, out, counts);
+        const std::uint32_t sky_samples = std::max(1U, count / rays.rays_per_sky_sample);
+        for (const SkyLight::Sample& sample : sky.samples(lights_key, sky_samples)) {
+            add(from_sky(probe, sample, counts), 1 / static_cast<float>(sky_samples), out, counts);
         }
     }
 
@@ -403,7 +404,7 @@ void PathTracer::gather_cached(glm::vec3 point, std::uint64_t key, std::span<con
         } else {
             Dimensions dimensions(key, i);
             add({direction,
-                 radiance_along(point, direction, hits[i], {{point, {}}, uniform_sphere_pdf, 1 / rays_per_sample},
+                 radiance_along(point, direction, hits[i], {{point, {}}, uniform_sphere_pdf, emitter_samples_per_ray},
                                 dimensions, counts, rays)},
                 share, out, counts);
         }

@@ -53,9 +53,10 @@ struct GatherRays {
     std::uint32_t most_bounces = unlimited;
     /// Paths end at the first surface whose reflected light is known here. Null: none is.
     const SurfaceCache* cache = nullptr;
-    /// With a cache, one sample of emitters and environment for each so many gather rays, but at least one: such
-    /// samples cost as much as a ray, and the light that they are for has no other noise.
-    std::uint32_t rays_per_light_sample = 2;
+    /// With a cache, one sample of emitters, and one of the environment, for each so many gather rays, but at least one:
+    /// such samples cost as much as a ray, and the light that they are for has no other noise.
+    std::uint32_t rays_per_emitter_sample = 1;
+    std::uint32_t rays_per_sky_sample = 1;
 };
 
 /// A surface that a ray met, and the share of light from there that what the ray has passed before lets through.

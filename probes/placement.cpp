@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <mutex>
 #include <span>
 
 namespace lightgrid {
@@ -396,8 +397,8 @@ double probe_count(const std::vector<Grid>& grids) {
 }
 
 std::vector<Grid> span_boxes(const std::vector<Box>& boxes, double spacing) {
-    std::vector<Grid> grids;
-    for (const Box& box : boxes) grids.push_back(span_box(box, spacing));
+    std::vector<Grid> grids(boxes.size());
+    std::transform(boxes.begin(), boxes.end(), grids.begin(), [&](const Box& box) { return span_box(box, spacing); });
     return grids;
 }
 
@@ -451,7 +452,8 @@ bool is_free(const Tracer& tracer, glm::vec3 point, float clearance, const Light
     return !is_inside(point, suspect(look_around(tracer, point), light.has_sky), light);
 }
 
-PlacementCounts place_probes(Volume& volume, const Tracer& tracer, const LightEvidence& light) {
+PlacementCounts place_probes(Volume& volume, const Tracer& tracer, const LightEvidence& light,
+                             const std::function<void(std::size_t)>& done) {
     const glm::dvec3 origin = tracer.scene().origin;
     std::vector<glm::vec3> offsets(volume.slots(), glm::vec3(0));
     const auto examine = [&](std::size_t slot) {
@@ -472,8 +474,17 @@ PlacementCounts place_probes(Volume& volume, const Tracer& tracer, const LightEv
         volume.states[slot] = offset ? ProbeState::moved : ProbeState::missing;
         offsets[slot] = offset.value_or(glm::vec3(0));
     };
+    std::mutex mutex;
+    std::size_t looked_at = 0;
+    const auto tell = [&](std::size_t more) {
+        if (!done) return;
+        const std::lock_guard lock(mutex);
+        looked_at += more;
+        done(looked_at);
+    };
 
     for_each_index(volume.slots(), [&](std::size_t slot) {
+        tell(1);
         if (volume.states[slot] == ProbeState::absent) return;
         const Stuck probe = examine(slot);
         volume.states[slot] = probe.inside ? ProbeState::missing : ProbeState::valid;
@@ -482,33 +493,35 @@ PlacementCounts place_probes(Volume& volume, const Tracer& tracer, const LightEv
     });
 
     const std::vector<BorderProbe> border = border_probes(volume);
-    std::vector<std::optional<glm::vec3>> freed(border.size());
-    for_each_index(border.size(), [&](std::size_t i) {
-        const auto& [slot, neighbours] = border[i];
-        const auto is_valid_slot = [&](std::size_t other) { return is_valid(volume.states[other]); };
-        if (is_valid_slot(slot) || std::any_of(neighbours.begin(), neighbours.end(), is_valid_slot)) return;
-        Stuck probe = examine(slot);
-        probe.limits = {probe.limits.min - glm::dvec3(2.0F * probe.reach),
-                        probe.limits.max + glm::dvec3(2.0F * probe.reach)};
-        freed[i] = freeing_offset(tracer, probe, light);
-    });
-    for (std::size_t i = 0; i < border.size(); ++i) {
-        if (freed[i]) settle(border[i].slot, freed[i]);
+    const auto is_valid_slot = [&](std::size_t slot) { return is_valid(volume.states[slot]); };
+    std::vector<std::size_t> alone;
+    for (const auto& [slot, neighbours] : border) {
+        if (!is_valid_slot(slot) && std::none_of(neighbours.begin(), neighbours.end(), is_valid_slot)) {
+            alone.push_back(slot);
+        }
     }
+    for_each_index(alone.size(), [&](std::size_t i) {
+        tell(0);
+        Stuck probe = examine(alone[i]);
+        const glm::dvec3 cell(2.0F * probe.reach);
+        probe.limits = {probe.limits.min - cell, probe.limits.max + cell};
+        settle(alone[i], freeing_offset(tracer, probe, light));
+    });
     // Through the outer wall: those on faces by what there is in their cells, then those on edges and in corners, which
     // have more of their cells outside, after their neighbours.
     for (int round = 0; round < 3; ++round) {
         std::vector<std::optional<glm::vec3>> moves(border.size());
         for_each_index(border.size(), [&](std::size_t i) {
+            tell(0);
             const auto& [slot, neighbours] = border[i];
-            if (!is_valid(volume.states[slot])) return;
+            if (!is_valid_slot(slot)) return;
             const Stuck probe = examine(slot);
             if (probe.inside || probe.seen.hits.empty()) return;
             if (probe.seen.hits.front().distance > glm::length(probe.reach)) return;
             std::vector<glm::vec3> space;
             if (round == 0) space = space_of_border_probe(probe);
             for (const std::size_t other : neighbours) {
-                if (round == 0 || !is_valid(volume.states[other])) continue;
+                if (round == 0 || !is_valid_slot(other)) continue;
                 space.push_back(glm::vec3(lattice_position(volume, other) - origin) + offsets[other]);
             }
             moves[i] = offset_into_view(tracer, probe, offsets[slot], space, light);

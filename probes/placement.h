@@ -55,7 +55,11 @@ struct LightEvidence {
 /// shares a cell with is valid (on a slab, what is above it counts). A probe on its grid's border that a wall hides from
 /// most of its cells, as the outer wall of a room hides what is behind it, is moved through that wall. Probes of a list
 /// stay where they are and are marked only.
-PlacementCounts place_probes(Volume& volume, const Tracer& tracer, const LightEvidence& light);
+///
+/// done  called with how many slots have been come to, from any thread, one at a time; what it throws ends the work and
+///       comes out
+PlacementCounts place_probes(Volume& volume, const Tracer& tracer, const LightEvidence& light,
+                             const std::function<void(std::size_t)>& done = {});
 
 /// Gives invalid probes the light of valid neighbours that they reach through nothing but the surface of what they are
 /// in, ring by ring, and then of any neighbour, so that plain trilinear filtering never reads black. States become

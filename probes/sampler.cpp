@@ -7,19 +7,9 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 namespace lightgrid {
 namespace {
-
-// Axes with a single probe have no spacing to speak of.
-double coarseness(const Grid& grid) {
-    double widest = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-        if (grid.counts[axis] > 1) widest = std::max(widest, grid.spacing[axis]);
-    }
-    return widest;
-}
 
 // The point of a grid that is nearest to a position, in units of the lattice: lower corner of its cell, and how far it
 // is from there to the upper one.
@@ -63,15 +53,11 @@ struct Scratch {
 
 }  // namespace
 
-Sampler::Sampler(const Volume& volume) : volume_(volume), slots_(volume), grids_(volume.grids.size()) {
+Sampler::Sampler(const Volume& volume) : volume_(volume), slots_(volume), grids_(finest_first(volume.grids)) {
     if (!volume.has_cells()) {
         throw Error("a probe list has no cells to interpolate in", {},
                     "Read its probes one by one, or bake a volume with a grid.");
     }
-    std::iota(grids_.begin(), grids_.end(), std::size_t{0});
-    std::stable_sort(grids_.begin(), grids_.end(), [&](std::size_t a, std::size_t b) {
-        return coarseness(volume.grids[a]) < coarseness(volume.grids[b]);
-    });
 }
 
 // No corners if one that would carry weight is not stored.

@@ -18,7 +18,7 @@ constexpr std::uint32_t most_unseen_samples = 4;
 enum Stream : std::uint64_t { finding, lighting, carrying, sky };
 
 /// Of the sky for each ray, as its weights assume; at probes as much as at samples.
-constexpr float sky_samples_per_ray = 0.5F;
+constexpr float sky_samples_per_ray = 1;
 
 /// A place where a ray met a surface and no patch is known.
 struct Unknown {

@@ -5,9 +5,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace lightgrid {
 namespace {
@@ -16,8 +18,12 @@ bool is_finite(glm::dvec3 v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-glm::ivec3 lattice_bricks(const Grid& grid) {
-    return (grid.counts - 1) / brick_size + 1;
+double coarseness(const Grid& grid) {
+    double widest = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        if (grid.counts[axis] > 1) widest = std::max(widest, grid.spacing[axis]);
+    }
+    return widest;
 }
 
 std::int64_t lattice_brick_count(const Grid& grid) {
@@ -149,6 +155,14 @@ bool same_bits(float a, float b) {
 }
 
 }  // namespace
+
+std::vector<std::size_t> finest_first(std::span<const Grid> grids) {
+    std::vector<std::size_t> order(grids.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return coarseness(grids[a]) < coarseness(grids[b]); });
+    return order;
+}
 
 Volume make_volume(std::vector<Grid> grids, int bands, std::vector<glm::dvec3> list) {
     check_grids(grids);

@@ -34,6 +34,10 @@ struct Grid {
     [[nodiscard]] glm::dvec3 position(glm::ivec3 probe) const { return origin + glm::dvec3(probe) * spacing; }
 };
 
+/// Indices of grids by their widest spacing, axes with a single probe aside, the finest first: the order in which they
+/// are asked for light. Grids of the same spacing keep their order.
+[[nodiscard]] std::vector<std::size_t> finest_first(std::span<const Grid> grids);
+
 /// Bricks hold brick_size^3 probes, x fastest, then y, then z. Those of a grid's neighbour cells are in the next brick.
 inline constexpr int brick_size = 4;
 inline constexpr int probes_per_brick = brick_size * brick_size * brick_size;
@@ -99,6 +103,11 @@ void append(Volume& volume, const Volume& more);
 /// stored twice, a probe inside its grid that is `absent` or one outside that is not, a number that is not finite, a
 /// negative standard error. What save_volume writes and load_volume returns has passed it.
 void check_volume(const Volume& volume);
+
+/// Bricks that a grid spans along each axis, stored or not.
+[[nodiscard]] inline glm::ivec3 lattice_bricks(const Grid& grid) {
+    return (grid.counts - 1) / brick_size + 1;
+}
 
 /// Probe p of a brick, relative to the brick's first.
 [[nodiscard]] constexpr glm::ivec3 probe_in_brick(std::size_t p) {

@@ -132,7 +132,7 @@ json remedies_json(const BakePlan& plan, const BakeResult& result, double gather
 
 json look_ups_json(const BakeResult& result) {
     json look_ups = json::array();
-    for (const LookUp& look_up : result.look_ups) {
+    for (const LookUpCost& look_up : result.look_ups) {
         const bool trilinear = look_up.interpolation == Interpolation::trilinear;
         json entry = to_json(look_up.error);
         entry["interpolation"] = trilinear ? "trilinear" : "nearest";

@@ -3,6 +3,7 @@
 #include "core/parallel.h"
 #include "core/sampling.h"
 #include "core/sh.h"
+#include "tools/false_color.h"
 
 #include <fmt/format.h>
 
@@ -30,21 +31,7 @@ Canvas developed(const View& view, float exposure) {
     return canvas;
 }
 
-// ---- false colours -------------------------------------------------------------------------------------------------
-
-/// 1, 2 or 5 times a power of ten: the mark with this number; 0 is 1, 3 is 10.
-double mark(int number) {
-    constexpr std::array<double, 3> steps{1, 2, 5};
-    const int decade = static_cast<int>(std::floor(number / 3.0));
-    return steps[number - 3 * decade] * std::pow(10.0, decade);
-}
-
-/// The last mark that is not above `value`.
-int mark_below(double value) {
-    int number = 3 * static_cast<int>(std::floor(std::log10(value)));
-    while (mark(number + 1) <= value) ++number;
-    return number;
-}
+// ---- slices ---------------------------------------------------------------------------------------------------------
 
 struct SlicePixel {
     float lux = 0;
@@ -74,27 +61,17 @@ std::vector<SlicePixel> sample_slice(const LitLevel& level, const Slice& slice) 
     return pixels;
 }
 
-/// From the light that all but the darkest and brightest of the pixels have.
-LuxScale scale_for(const std::vector<std::vector<SlicePixel>>& slices) {
+LogScale scale_for(const std::vector<std::vector<SlicePixel>>& slices) {
     std::vector<float> values;
     for (const std::vector<SlicePixel>& pixels : slices) {
         for (const SlicePixel& pixel : pixels) {
-            if (!pixel.solid && pixel.lux > 0) values.push_back(pixel.lux);
+            if (!pixel.solid) values.push_back(pixel.lux);
         }
     }
-    int first = 0;
-    int last = 1;
-    if (!values.empty()) {
-        std::sort(values.begin(), values.end());
-        first = mark_below(values[values.size() / 200]);
-        last = std::max(mark_below(values[values.size() - 1 - values.size() / 200]) + 1, first + 1);
-    }
-    LuxScale lux;
-    for (int number = first; number <= last; ++number) lux.marks.push_back(mark(number));
-    return lux;
+    return scale_of(std::move(values));
 }
 
-Canvas color_slice(const Slice& slice, const std::vector<SlicePixel>& pixels, const LuxScale& scale) {
+Canvas color_slice(const Slice& slice, const std::vector<SlicePixel>& pixels, const LogScale& scale) {
     const glm::ivec2 size = slice.size();
     Canvas canvas(size.x, size.y, section_fill);
     for (int y = 0; y < size.y; ++y) {
@@ -117,21 +94,6 @@ Canvas color_slice(const Slice& slice, const std::vector<SlicePixel>& pixels, co
     return canvas;
 }
 
-/// The colour bar with its marks; returns its width.
-void draw_legend(Canvas& canvas, glm::ivec2 corner, int height, const LuxScale& scale) {
-    constexpr int bar = 26;
-    for (int y = 0; y < height; ++y) {
-        canvas.fill(corner + glm::ivec2(0, y), {bar, 1},
-                    false_color(1 - static_cast<float>(y) / static_cast<float>(height - 1)));
-    }
-    for (const double lux : scale.marks) {
-        const int y = corner.y + static_cast<int>(std::lround((1 - scale.place(lux)) * (height - 1)));
-        canvas.fill({corner.x + bar, y}, {7, 1}, ink);
-        canvas.text({corner.x + bar + 12, y - 5}, fmt::format("{}", lux), ink);
-    }
-    canvas.text({corner.x, corner.y - line_height}, "lux", ink);
-}
-
 /// One metre, or a power of ten of it that suits the width.
 void draw_metre(Canvas& canvas, glm::ivec2 corner, double pixels_per_metre, int width) {
     const double length = std::pow(10.0, std::floor(std::log10(0.4 * width / pixels_per_metre)));
@@ -143,19 +105,6 @@ void draw_metre(Canvas& canvas, glm::ivec2 corner, double pixels_per_metre, int 
 }
 
 // ---- probes --------------------------------------------------------------------------------------------------------
-
-glm::vec3 state_color(ProbeState state) {
-    switch (state) {
-        case ProbeState::valid:
-            return hex_color(0x4FB286);
-        case ProbeState::moved:
-            return hex_color(0xF2B134);
-        case ProbeState::filled:
-            return hex_color(0xE5484D);
-        default:
-            return hex_color(0xB04FC6);
-    }
-}
 
 /// Lattice places of the layer of probes nearest to `at` across `axis`: slots, and where the layer is.
 struct Layer {
@@ -219,15 +168,6 @@ void draw_spheres(Canvas& canvas, const View& view, const Camera& camera, const 
 
 }  // namespace
 
-glm::vec3 false_color(float t) {
-    static const std::array<glm::vec3, 8> ramp{hex_color(0x14123A), hex_color(0x2B2F8F), hex_color(0x1F6FB2),
-                                               hex_color(0x1FA39A), hex_color(0x6DBE45), hex_color(0xE3CF3A),
-                                               hex_color(0xF59E42), hex_color(0xFFF0DC)};
-    const float at = glm::clamp(t, 0.0F, 1.0F) * (ramp.size() - 1);
-    const auto below = std::min(static_cast<std::size_t>(at), ramp.size() - 2);
-    return glm::mix(ramp[below], ramp[below + 1], at - static_cast<float>(below));
-}
-
 glm::ivec2 Slice::size() const {
     return glm::ivec2(glm::round(scale * glm::dvec2(box.size()[right()], box.size()[up()])));
 }
@@ -249,10 +189,6 @@ glm::dvec2 Slice::pixel(glm::dvec3 point) const {
 
 std::string Slice::title() const {
     return fmt::format("{} at {} = {:.2f} m", axis == 1 ? "Plan" : "Section", "xyz"[axis], position);
-}
-
-double LuxScale::place(double lux) const {
-    return std::log(std::max(lux, 1e-30) / marks.front()) / std::log(marks.back() / marks.front());
 }
 
 SlicePictures picture_slices(const LitLevel& level, const Volume& volume, glm::dvec3 at, double pixels_per_metre) {
@@ -311,7 +247,8 @@ Canvas draw_slices(const LitLevel& level, const Volume& volume, const PictureOpt
         canvas.paste(slices.pictures[i], corner + glm::ivec2(0, line_height));
         corner.y += slices.pictures[i].height + 2 * line_height;
     }
-    if (!slices.pictures.empty()) draw_legend(canvas, bar, slices.pictures[0].height - line_height, slices.lux);
+    if (!slices.pictures.empty())
+        draw_legend(canvas, bar, slices.pictures[0].height - line_height, slices.lux, "lux", ink);
     draw_metre(canvas, {margin, corner.y + 4}, scale, options.width);
     return canvas;
 }

@@ -2,6 +2,7 @@
 
 #include "probes/volume.h"
 #include "tools/canvas.h"
+#include "tools/false_color.h"
 #include "tools/lit_level.h"
 
 #include <glm/glm.hpp>
@@ -42,27 +43,16 @@ struct Slice {
     [[nodiscard]] std::string title() const;
 };
 
-/// Light on a logarithmic scale between two round numbers.
-struct LuxScale {
-    std::vector<double> marks;  // lux, ascending: 1, 2 and 5 times powers of ten; the ends of the scale and all between
-
-    [[nodiscard]] double place(double lux) const;  // 0 at the first mark, 1 at the last; below and above for the rest
-};
-
 /// Planes through a point: mean irradiance in false colours with a contour at each mark, outlines, solids dark. Planes
 /// in which the volume has no extent are left out.
 struct SlicePictures {
     std::vector<Slice> slices;
     std::vector<Canvas> pictures;  // one each
-    LuxScale lux;
+    LogScale lux;
 };
 /// pixels_per_metre  of all pictures
 [[nodiscard]] SlicePictures picture_slices(const LitLevel& level, const Volume& volume, glm::dvec3 at,
                                            double pixels_per_metre);
-
-/// Dark blue through cyan, green, yellow and red to pale: the order that lighting engineers know, with lightness rising
-/// throughout so that it reads in grey, too. t in [0, 1].
-[[nodiscard]] glm::vec3 false_color(float t);
 
 /// Mean irradiance in false colours in a plan and two sections through `at`, on one logarithmic scale in lux.
 [[nodiscard]] Canvas draw_slices(const LitLevel& level, const Volume& volume, const PictureOptions& options);

@@ -296,7 +296,7 @@ std::string svg_slice(const Slice& slice, const Canvas& picture, const json& wor
     return svg + "</svg>\n";
 }
 
-std::string lux_key(const LuxScale& lux) {
+std::string lux_key(const LogScale& lux) {
     constexpr int steps = 64;
     constexpr double thickness = 12;
     std::string svg;

@@ -1,70 +1,16 @@
-#include "core/sh.h"
 #include "core/whole_file.h"
 #include "probes/volume_file.h"
 #include "tools/program.h"
 #include "tools/verbs.h"
+#include "tools/volume_summary.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 
 namespace lightgrid {
 namespace {
-
-// What a volume amounts to.
-struct Summary {
-    std::array<std::size_t, 5> states{};  // by ProbeState
-    glm::dvec3 irradiance{0};             // lux, mean over the valid probes and six axes
-    double noise = 0;                     // standard error of irradiance, root mean square over the same and RGB, lux
-    double relative_noise = 0;            // that over the root mean square of irradiance
-    double worst_noise = 0;               // of the valid probes, each over its own irradiance
-    glm::dvec3 worst_position{0};
-
-    [[nodiscard]] std::size_t count(ProbeState state) const { return states[static_cast<std::size_t>(state)]; }
-    [[nodiscard]] std::size_t valid() const { return count(ProbeState::valid) + count(ProbeState::moved); }
-    [[nodiscard]] std::size_t probes() const {
-        return valid() + count(ProbeState::filled) + count(ProbeState::missing);
-    }
-};
-
-double squared(glm::dvec3 v) {
-    return glm::dot(v, v);
-}
-
-Summary summarize(const Volume& volume) {
-    Summary summary;
-    double sum_light = 0;
-    double sum_noise = 0;
-    for (std::size_t slot = 0; slot < volume.slots(); ++slot) {
-        ++summary.states[static_cast<std::size_t>(volume.states[slot])];
-        if (!is_valid(volume.states[slot])) continue;
-        double light = 0;
-        double noise = 0;
-        for (std::size_t axis = 0; axis < axis_normals.size(); ++axis) {
-            const glm::dvec3 irradiance(irradiance_from_sh(volume.sh(slot), axis_normals[axis]));
-            summary.irradiance += irradiance;
-            light += squared(irradiance);
-            noise += squared(glm::dvec3(volume.axis_errors[slot * axis_normals.size() + axis]));
-        }
-        sum_light += light;
-        sum_noise += noise;
-        const double share = light > 0 ? std::sqrt(noise / light) : 0;
-        if (share > summary.worst_noise) {
-            summary.worst_noise = share;
-            summary.worst_position = gather_position(volume, slot);
-        }
-    }
-    if (summary.valid() > 0) {
-        const double directions = static_cast<double>(summary.valid() * axis_normals.size());
-        summary.irradiance /= directions;
-        summary.noise = std::sqrt(sum_noise / (3 * directions));
-        summary.relative_noise = sum_light > 0 ? std::sqrt(sum_noise / sum_light) : 0;
-    }
-    return summary;
-}
 
 // Nine digits for people: a millimetre in a thousand kilometres. --json has them all.
 template <typename Vector>
@@ -87,7 +33,7 @@ const char* storage(const Volume& volume) {
 }
 
 void print_text(const std::string& path, std::size_t bytes, const Volume& volume) {
-    const Summary summary = summarize(volume);
+    const VolumeSummary summary = summarize(volume);
     const auto line = [](const char* label, const std::string& text) { print(fmt::format("{:<16}{}\n", label, text)); };
     line("file", fmt::format("{}, {} bytes, format {}", path, bytes, volume_format));
     if (!volume.list.empty()) {
@@ -125,7 +71,7 @@ nlohmann::ordered_json replicates(const Volume& volume) {
 }
 
 void print_json(const std::string& path, std::size_t bytes, const Volume& volume) {
-    const Summary summary = summarize(volume);
+    const VolumeSummary summary = summarize(volume);
     nlohmann::ordered_json json;
     json["file"] = path;
     json["bytes"] = bytes;

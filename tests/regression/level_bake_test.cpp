@@ -469,6 +469,16 @@ TEST_F(LevelBake, TargetsExcludeEachOther) {
     expect_refused("a.glb --samples 64 --strict", "--strict needs an error to reach");
 }
 
+TEST_F(LevelBake, PlacesProbesTheSameWithAnyNumberOfThreads) {
+    // With bricks of probes that depend on their neighbours: under the ground, and behind outer walls.
+    for (const int threads : {1, 2, 2, 4}) {
+        const Result result = run(fmt::format("{} --sky 1,1,1 --samples 16 --threads {} -o {}.exr --quiet",
+                                              LIGHTGRID_SCENES "/courtyard.glb", threads, threads));
+        EXPECT_EQ(result.status, 0) << result.err;
+        EXPECT_EQ(bytes("1.exr"), bytes(fmt::format("{}.exr", threads))) << threads << " threads";
+    }
+}
+
 // ---- What another version will have
 
 TEST_F(LevelBake, RefusesByNameWhatIsNotInThisVersion) {

@@ -84,16 +84,16 @@ TEST(ErrorReport, NoiseIsThatOfTheCornersThatAnswer) {
 
 TEST(LookUps, AreAllBandsFloatAndHalfTrilinearAndNearest) {
     const Measured measured(20);
-    const std::vector<LookUp> look_ups = compare_look_ups(measured.volume, measured.held_out, 0);
+    const std::vector<LookUpCost> look_ups = compare_look_ups(measured.volume, measured.held_out, 0);
     ASSERT_EQ(look_ups.size(), 12U);
-    for (const LookUp& look_up : look_ups) {
+    for (const LookUpCost& look_up : look_ups) {
         EXPECT_EQ(look_up.bytes, static_cast<std::size_t>(3 * look_up.bands * look_up.bands * (look_up.half ? 2 : 4)));
         EXPECT_GT(look_up.nanoseconds, 0);
         EXPECT_GT(look_up.error.relrmse, 0);
         EXPECT_LE(look_up.error.interval.low, look_up.error.interval.high);
     }
     const auto found = [&](Interpolation interpolation, int bands, bool half) {
-        return std::find_if(look_ups.begin(), look_ups.end(), [&](const LookUp& l) {
+        return std::find_if(look_ups.begin(), look_ups.end(), [&](const LookUpCost& l) {
             return l.interpolation == interpolation && l.bands == bands && l.half == half;
         });
     };

@@ -159,6 +159,14 @@ TEST(DecodeImage, FlippedBytesGiveAnErrorOrAnImage) {
     }
 }
 
+TEST(DecodeImage, RefusesHuffmanTablesThatAreTooLarge) {
+    std::string jpeg = grey_jpeg();
+    const std::size_t table = jpeg.find("\xff\xc4");
+    ASSERT_NE(table, std::string::npos);
+    for (std::size_t length = 0; length < 16; ++length) jpeg[table + 5 + length] = '\xff';
+    EXPECT_NE(message_of(jpeg).find("Huffman table"), std::string::npos) << message_of(jpeg);
+}
+
 TEST(DecodeImage, NoticesEveryDamagedByteOfAPng) {
     const std::string whole = png(2, 2, 8, 2, std::string(14, '\0'));
     for (std::size_t i = 0; i < whole.size(); ++i) {

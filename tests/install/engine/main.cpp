@@ -2,6 +2,7 @@
 
 #include "probes/sampler.h"
 #include "probes/volume_file.h"
+#include "probes/volume_textures.h"
 
 #include <cmath>
 #include <cstdio>
@@ -18,5 +19,7 @@ int main(int, char** arguments) {
     const lightgrid::Sampler sampler(volume);
     const glm::vec3 irradiance = sampler.irradiance({0.3, 0.6, 0.9}, {0, 1, 0});
     std::printf("%g lux\n", irradiance.r);
+    const lightgrid::VolumeTextures textures = lightgrid::pack_volume(volume, {.half = true});
+    if (textures.bands != 3 || textures.atlas.texels.empty()) return 1;
     return std::abs(irradiance.r - std::acos(-1.0)) < 1e-5 ? 0 : 1;
 }

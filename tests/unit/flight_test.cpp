@@ -1,0 +1,229 @@
+#include "viewer/flight.h"
+
+#include "core/error.h"
+#include "core/tracer.h"
+#include "tests/gltf_builder.h"
+#include "tests/scene_builder.h"
+#include "viewer/default_flight.h"
+#include "viewer/free_space.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace lightgrid {
+namespace {
+
+FlightKey key_at(double time_s, glm::dvec3 eye) {
+    FlightKey key;
+    key.time_s = time_s;
+    key.eye = eye;
+    return key;
+}
+
+TEST(Flight, PassesThroughItsKeys) {
+    Flight flight;
+    for (int i = 0; i < 5; ++i) {
+        FlightKey key = key_at(i * i * 0.3, {i, std::sin(i), -2 * i});
+        key.look_at = glm::dvec3(10, i, 0);
+        key.object = glm::dvec3(i, i, i);
+        flight.keys.push_back(key);
+    }
+    for (const FlightKey& key : flight.keys) {
+        const FlightMoment moment = evaluate(flight, key.time_s);
+        EXPECT_LT(glm::distance(moment.pose.eye, key.eye), 1e-12);
+        EXPECT_LT(glm::distance(forward(moment.pose), glm::normalize(*key.look_at - key.eye)), 1e-12);
+        EXPECT_LT(glm::distance(*moment.object, *key.object), 1e-12);
+    }
+}
+
+TEST(Flight, EvenKeysOnALineAreFlownEvenly) {
+    Flight flight;
+    for (int i = 0; i < 4; ++i) flight.keys.push_back(key_at(2 * i, {3 * i, 0, 0}));
+    for (double time = 0; time <= 6; time += 0.37) EXPECT_NEAR(evaluate(flight, time).pose.eye.x, 1.5 * time, 1e-12);
+}
+
+TEST(Flight, StandsStillBeforeAndAfter) {
+    Flight flight;
+    flight.keys = {key_at(1, {0, 0, 0}), key_at(2, {5, 0, 0})};
+    EXPECT_EQ(evaluate(flight, -10).pose.eye.x, 0);
+    EXPECT_EQ(evaluate(flight, 10).pose.eye.x, 5);
+    flight.keys.pop_back();
+    EXPECT_EQ(evaluate(flight, 10).pose.eye.x, 0);
+}
+
+TEST(Flight, TurnsTheShortWayRound) {
+    Flight flight;
+    flight.keys = {key_at(0, {}), key_at(1, {}), key_at(2, {})};
+    flight.keys[0].yaw_deg = 350;
+    flight.keys[1].yaw_deg = 10;
+    flight.keys[2].yaw_deg = 30;
+    EXPECT_NEAR(std::remainder(evaluate(flight, 0.5).pose.yaw_deg, 360), 0, 1e-9);
+    EXPECT_NEAR(evaluate(flight, 1.5).pose.yaw_deg, 20, 1e-9);
+}
+
+TEST(Flight, FramesSpanTheWholeFlight) {
+    Flight flight;
+    flight.frames_per_second = 10;
+    flight.keys = {key_at(1, {}), key_at(3, {})};
+    EXPECT_EQ(frame_count(flight), 21);
+    EXPECT_DOUBLE_EQ(frame_time_s(flight, 0, 5), 1);
+    EXPECT_DOUBLE_EQ(frame_time_s(flight, 4, 5), 3);
+    EXPECT_DOUBLE_EQ(frame_time_s(flight, 0, 1), 1);
+}
+
+TEST(Flight, ReadsBackWhatItWrote) {
+    const TemporaryFolder folder;
+    Flight flight;
+    flight.frames_per_second = 23.976;
+    flight.keys = {key_at(0, {0.1, 1.0 / 3, 1e-9}), key_at(0.7, {1, 2, 3})};
+    flight.keys[0].look_at = glm::dvec3(M_PI, 0, 1e5);
+    flight.keys[1].yaw_deg = 12.5;
+    flight.keys[1].pitch_deg = -7;
+    for (FlightKey& key : flight.keys) key.object = glm::dvec3(0.2);
+    save_flight(flight, folder.path() / "path.json");
+    const Flight read = load_flight(folder.path() / "path.json");
+    EXPECT_EQ(read.frames_per_second, flight.frames_per_second);
+    ASSERT_EQ(read.keys.size(), 2U);
+    for (std::size_t i = 0; i < 2; ++i) {
+        EXPECT_EQ(read.keys[i].time_s, flight.keys[i].time_s);
+        EXPECT_EQ(read.keys[i].eye, flight.keys[i].eye);
+        EXPECT_EQ(read.keys[i].look_at, flight.keys[i].look_at);
+        EXPECT_EQ(read.keys[i].yaw_deg, flight.keys[i].yaw_deg);
+        EXPECT_EQ(read.keys[i].pitch_deg, flight.keys[i].pitch_deg);
+        EXPECT_EQ(read.keys[i].object, flight.keys[i].object);
+    }
+}
+
+TEST(Flight, WrongPathsAreRefusedByFileAndKey) {
+    const TemporaryFolder folder;
+    const auto refusal = [&](const std::string& text) {
+        write_bytes(folder.path() / "p.json", text);
+        try {
+            static_cast<void>(load_flight(folder.path() / "p.json"));
+        } catch (const Error& error) {
+            EXPECT_EQ(error.fault(), Fault::input);
+            EXPECT_NE(error.where().find("p.json"), std::string::npos) << error.what();
+            return std::string(error.what());
+        }
+        return std::string("accepted");
+    };
+    const std::string first = R"({"time_s": 0, "eye": [0,0,0], "look_at": [1,0,0]})";
+    const auto two = [&](const std::string& second) { return R"({"keys": [)" + first + ", " + second + "]}"; };
+    EXPECT_NE(refusal("{").find("parse error"), std::string::npos);
+    EXPECT_NE(refusal("[]").find("is no JSON object"), std::string::npos);
+    EXPECT_NE(refusal("{}").find("no \"keys\""), std::string::npos);
+    EXPECT_NE(refusal(R"({"keys": []})").find("no \"keys\""), std::string::npos);
+    EXPECT_NE(refusal(R"({"kezs": []})").find("kezs"), std::string::npos);
+    EXPECT_NE(refusal(R"({"frames_per_second": 0, "keys": []})").find("not positive"), std::string::npos);
+    EXPECT_NE(refusal(two(R"({"time_s": 1})")).find("key 1: needs \"time_s\" and \"eye\""), std::string::npos);
+    EXPECT_NE(refusal(two(R"({"time_s": 1, "eye": [0,0]})")).find("key 1: \"eye\""), std::string::npos);
+    EXPECT_NE(refusal(two(R"({"time_s": 1, "eye": [0,0,"a"]})")).find("key 1: \"eye\""), std::string::npos);
+    EXPECT_NE(refusal(two(R"({"time_s": 1, "eye": [0,0,0]})")).find("key 1: needs either"), std::string::npos);
+    EXPECT_NE(refusal(two(R"({"time_s": 0, "eye": [0,0,0], "yaw_deg": 1})")).find("key 1: \"time_s\" 0 is not after"),
+              std::string::npos);
+    EXPECT_NE(refusal(two(R"({"time_s": 1, "eye": [0,0,0], "pitch_deg": 95})")).find("pitch_deg"), std::string::npos);
+    EXPECT_NE(refusal(two(R"({"time_s": 1, "eye": [0,0,0], "yaw_deg": 0, "object": [0,0,0]})")).find("in some keys"),
+              std::string::npos);
+    EXPECT_NE(refusal(two(R"({"time_s": 1e999, "eye": [0,0,0], "yaw_deg": 0})")), "accepted");
+    EXPECT_EQ(refusal(two(R"({"time_s": 1, "eye": [0,0,0], "yaw_deg": 0})")), "accepted");
+}
+
+// ---- the default flight --------------------------------------------------------------------------------------------
+
+/// Two rooms of 6 x 3 x 6 m with a door between them, lit from the side.
+struct TwoRooms {
+    Scene scene;
+    Volume volume;
+
+    TwoRooms() {
+        const int wall = add_grey(scene, 0.5F);
+        add_box(scene, wall, {-6, 0, -3}, {6, 3, 3}, Facing::inward);
+        add_box(scene, wall, {-0.1F, 0, -3}, {0.1F, 3, 0.5F}, Facing::outward);
+        add_box(scene, wall, {-0.1F, 0, 1.7F}, {0.1F, 3, 3}, Facing::outward);
+        add_box(scene, wall, {-0.1F, 2.2F, 0.5F}, {0.1F, 3, 1.7F}, Facing::outward);
+        volume = make_volume({{{-5.75, 0.25, -2.75}, {0.5, 0.5, 0.5}, {24, 6, 12}}}, 3);
+        for (std::size_t slot = 0; slot < volume.slots(); ++slot) {
+            if (volume.states[slot] == ProbeState::absent) continue;
+            volume.coefficients[slot * 9] = glm::vec3(1);
+            volume.coefficients[slot * 9 + 3] = glm::vec3(0.3F);
+        }
+    }
+};
+
+TEST(DefaultFlight, GoesThroughTheDoorAndNeverThroughAWall) {
+    const TwoRooms rooms;
+    const Tracer tracer(rooms.scene);
+    const LitVolume lit(rooms.volume);
+    const DefaultFlight flight = make_default_flight(tracer, lit);
+    ASSERT_GE(flight.flight.keys.size(), 2U);
+    EXPECT_GT(flight.object_size, 0);
+
+    constexpr int steps = 2000;
+    bool left = false;
+    bool right = false;
+    std::optional<FlightMoment> before;
+    for (int i = 0; i <= steps; ++i) {
+        const FlightMoment moment = evaluate(flight.flight, frame_time_s(flight.flight, i, steps + 1));
+        ASSERT_TRUE(moment.object);
+        left = left || moment.pose.eye.x < -1;
+        right = right || moment.pose.eye.x > 1;
+        EXPECT_GT(clearance_at(tracer, glm::vec3(moment.pose.eye), 1), 0.05F) << "at step " << i;
+        if (before) {
+            EXPECT_TRUE(is_clear(tracer, glm::vec3(before->pose.eye), glm::vec3(moment.pose.eye))) << "at step " << i;
+            EXPECT_TRUE(is_clear(tracer, glm::vec3(*before->object), glm::vec3(*moment.object))) << "at step " << i;
+            // Smooth: at 100 steps a second no turn of more than a few degrees.
+            EXPECT_GT(glm::dot(forward(before->pose), forward(moment.pose)), std::cos(glm::radians(5.0)));
+        }
+        before = moment;
+    }
+    EXPECT_TRUE(left);
+    EXPECT_TRUE(right);
+}
+
+TEST(DefaultFlight, IsTheSameEveryTime) {
+    const TwoRooms rooms;
+    const Tracer tracer(rooms.scene);
+    const LitVolume lit(rooms.volume);
+    const Flight a = make_default_flight(tracer, lit).flight;
+    const Flight b = make_default_flight(tracer, lit).flight;
+    ASSERT_EQ(a.keys.size(), b.keys.size());
+    for (std::size_t i = 0; i < a.keys.size(); ++i) {
+        EXPECT_EQ(a.keys[i].eye, b.keys[i].eye);
+        EXPECT_EQ(a.keys[i].look_at, b.keys[i].look_at);
+    }
+}
+
+TEST(DefaultFlight, TurnsInPlaceWhereThereIsNoRoom) {
+    TwoRooms rooms;
+    for (std::size_t slot = 0; slot < rooms.volume.slots(); ++slot) {
+        if (rooms.volume.states[slot] != ProbeState::absent) rooms.volume.states[slot] = ProbeState::missing;
+    }
+    const Tracer tracer(rooms.scene);
+    const LitVolume lit(rooms.volume);
+    const Flight flight = make_default_flight(tracer, lit).flight;
+    EXPECT_EQ(flight.keys.front().eye, flight.keys.back().eye);
+    const double quarter = frame_time_s(flight, 1, 5);
+    EXPECT_NEAR(evaluate(flight, quarter).pose.yaw_deg - evaluate(flight, 0).pose.yaw_deg, 90, 1e-6);
+}
+
+TEST(FreeSpace, LinksGoBothWaysAndThroughNothing) {
+    const TwoRooms rooms;
+    const Tracer tracer(rooms.scene);
+    const FreeSpace space = find_free_space(tracer, rooms.volume, 0.5F);
+    ASSERT_GT(space.points.size(), 100U);
+    for (std::uint32_t i = 0; i < space.points.size(); i += 7) {
+        for (std::uint32_t k = space.first_link[i]; k < space.first_link[i + 1]; ++k) {
+            const std::uint32_t to = space.links[k].to;
+            EXPECT_TRUE(is_clear(tracer, space.points[i], space.points[to]));
+            bool back = false;
+            for (std::uint32_t j = space.first_link[to]; j < space.first_link[to + 1]; ++j) {
+                back = back || space.links[j].to == i;
+            }
+            EXPECT_TRUE(back);
+        }
+    }
+}
+
+}  // namespace
+}  // namespace lightgrid

@@ -1,0 +1,180 @@
+#include "viewer/level_stage.h"
+
+#include "core/sh.h"
+#include "viewer/outlines.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+namespace lightgrid {
+namespace {
+
+/// A volume that is baked while one looks is no larger than that a person waits for it.
+constexpr std::int64_t probes_while_shown = 8192;
+/// An object that has moved by this share of its size is at another place.
+constexpr double same_place = 0.02;
+
+}  // namespace
+
+void LevelStage::Reference::ask(const PathTracer& paths, glm::dvec3 position, glm::vec3 normal) {
+    if (!probe) probe.emplace(paths, reference_bands);
+    probe->ask(position, normal);
+    asked = position;
+}
+
+void LevelStage::Reference::update() {
+    if (!probe) return;
+    if (std::optional<ReferenceLight> better = probe->take()) light = std::move(better);
+}
+
+LevelStage::LevelStage(LevelShow show, Renderer& renderer, Session& session, Tell tell)
+    : show_(std::move(show)),
+      scene_(show_.paths.tracer().scene()),
+      renderer_(renderer),
+      session_(session),
+      tell_(std::move(tell)) {
+    const double diagonal = glm::length(scene_.bounds.size());
+    session_.motion.speed = 0.1 * diagonal;
+    session_.object.size = static_cast<float>(0.03 * diagonal);
+    session_.lens = lens_for(diagonal, session_.object.size);
+    if (!session_.flight)
+        session_.pose = looking_at(scene_.bounds.center(), scene_.bounds.center() + glm::dvec3(0, 0, -1));
+    renderer_.set_environment(show_.paths.environment());
+    if (show_.volume != nullptr) {
+        take(show_.volume);
+        return;
+    }
+    renderer_.set_level(scene_, std::numeric_limits<double>::infinity(),
+                        std::vector<bool>(scene_.materials.size(), false));
+    BakeOptions options;
+    options.placement.max_probes = probes_while_shown;
+    options.environment = show_.environment;
+    bake_.emplace(show_.paths, options);
+}
+
+LevelStage::~LevelStage() = default;
+
+void LevelStage::take(const std::shared_ptr<const LitVolume>& volume) {
+    if (spacing_ != volume->spacing) {
+        renderer_.set_level(scene_, volume->spacing, find_outlines(show_.paths.tracer(), volume->volume));
+        spacing_ = volume->spacing;
+    }
+    volume_ = volume;
+    summary_ = summarize(volume->volume);
+    session_.bands = std::clamp(volume->volume.bands, 1, most_bands);
+    renderer_.set_volume(volume);
+    if (default_flight_known_) return;
+    default_flight_known_ = true;
+    default_flight_ = std::async(
+        std::launch::async, [&tracer = show_.paths.tracer(), volume] { return make_default_flight(tracer, *volume); });
+}
+
+void LevelStage::update() {
+    if (bake_) {
+        if (std::optional<BakedVolume> baked = bake_->take()) {
+            tell_(fmt::format("baked with {} rays a probe, noise {:.2g} %", baked->samples, 100 * baked->noise));
+            take(std::make_shared<const LitVolume>(std::move(baked->volume)));
+        }
+    }
+    if (show_.watch) {
+        if (std::optional<VolumeWatch::News> news = show_.watch->poll()) {
+            tell_(news->notice);
+            if (news->volume) take(std::make_shared<const LitVolume>(std::move(*news->volume)));
+        }
+    }
+    if (default_flight_.valid() && default_flight_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
+        DefaultFlight found = default_flight_.get();
+        session_.object.size = static_cast<float>(found.object_size);
+        session_.lens = lens_for(glm::length(scene_.bounds.size()), found.object_size);
+        session_.motion.speed = 4 * found.object_size;
+        if (!session_.flight) session_.flight = std::move(found.flight);
+        if (!session_.touched) session_.pose = evaluate(*session_.flight, session_.flight->start_s()).pose;
+    }
+    at_click_.update();
+    follow_object();
+}
+
+void LevelStage::follow_object() {
+    at_object_.update();
+    const std::vector<Side> sides = sides_of(session_);
+    const bool wanted = std::any_of(sides.begin(), sides.end(), [](const Side& side) {
+        return side.settings.object_light == ObjectLight::reference;
+    });
+    if (!wanted) return;
+    // An object that keeps moving is asked for once the last answer is there, so that there is always one to come.
+    const bool waiting = at_object_.asked && (!at_object_.light || at_object_.light->position != *at_object_.asked);
+    const bool moved = !at_object_.asked ||
+                       glm::distance(*at_object_.asked, session_.object.position) > same_place * session_.object.size;
+    if (moved && !waiting) at_object_.ask(show_.paths, session_.object.position, {0, 1, 0});
+}
+
+void LevelStage::ask(const Click& click) {
+    glm::dvec3 position = session_.pose.eye + follow_sizes * session_.object.size * click.direction;
+    glm::vec3 normal(-click.direction);
+    clicked_surface_ = false;
+    if (click.on_object) {
+        position = session_.object.position;
+    } else {
+        const glm::vec3 direction(click.direction);
+        const Tracer& tracer = show_.paths.tracer();
+        const Hit hit = tracer.closest_hit(glm::vec3(session_.pose.eye - scene_.origin), direction);
+        if (hit.found()) {
+            const Surface surface = tracer.surface(hit, direction);
+            normal = glm::dot(surface.normal, direction) < 0 ? surface.normal : -surface.normal;
+            position = scene_.origin + glm::dvec3(surface.leave(normal));
+            clicked_surface_ = true;
+        }
+    }
+    at_click_.light.reset();
+    at_click_.ask(show_.paths, position, normal);
+}
+
+void LevelStage::forget_click() {
+    at_click_.asked.reset();
+    at_click_.light.reset();
+}
+
+void LevelStage::complete(Frame& frame) const {
+    if (at_object_.light) frame.reference = means(at_object_.light->sh);
+}
+
+std::optional<ClickedLight> LevelStage::clicked_light() const {
+    if (!at_click_.asked) return {};
+    ClickedLight clicked;
+    clicked.position = *at_click_.asked;
+    clicked.on_surface = clicked_surface_;
+    if (!at_click_.light || volume_ == nullptr) return clicked;
+    const ReferenceLight& light = *at_click_.light;
+    clicked.samples = light.samples;
+    clicked.last = light.last;
+    const LookUp from = look_up(*volume_, session_.settings);
+    const double bias = clicked_surface_ ? from.normal_bias : 0;
+    clicked.volume = all_radiance_sh(from, light.position + bias * glm::dvec3(light.normal));
+    if (session_.settings.dering && !clicked_surface_) clicked.volume = deringed(clicked.volume);
+    clicked.reference = means(light.sh);
+    clicked.irradiance =
+        compare(light, glm::max(irradiance_from_sh(std::span<const glm::vec3>(clicked.volume), light.normal), 0.0F));
+    return clicked;
+}
+
+void LevelStage::complete(Facts& facts) const {
+    facts.volume = volume_;
+    facts.summary = summary_;
+    if (bake_) {
+        const BackgroundBake::Status status = bake_->status();
+        if (status.working && status.samples == 0) facts.baking = "looks for places of probes";
+        if (status.working && status.samples > 0) {
+            facts.baking = fmt::format("{} rays a probe, {:.0f} %", status.samples, 100 * status.share);
+        }
+    }
+    if (at_object_.asked) {
+        facts.object_reference = at_object_.light ? fmt::format("{} rays", at_object_.light->samples) : "being traced";
+    }
+    facts.clicked = clicked_light();
+}
+
+}  // namespace lightgrid

@@ -1,0 +1,80 @@
+#pragma once
+
+#include "probes/paths.h"
+#include "viewer/background_bake.h"
+#include "viewer/default_flight.h"
+#include "viewer/facts.h"
+#include "viewer/reference_probe.h"
+#include "viewer/renderer.h"
+#include "viewer/session.h"
+#include "viewer/volume_watch.h"
+
+#include <glm/glm.hpp>
+
+#include <future>
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace lightgrid {
+
+/// A level to be shown, and where its light comes from.
+struct LevelShow {
+    const PathTracer& paths;                  // with the level and its environment; must outlive the show
+    std::string environment;                  // in words, for the header of what is baked
+    std::shared_ptr<const LitVolume> volume;  // none: one is baked while it is shown
+    std::optional<VolumeWatch> watch;         // of the file that it came from
+};
+
+/// A level while it is shown: brings what other threads bake, reload and trace before the renderer.
+class LevelStage {
+  public:
+    /// Keeps references to all but `show`.
+    LevelStage(LevelShow show, Renderer& renderer, Session& session, Tell tell);
+    ~LevelStage();
+
+    [[nodiscard]] const std::string& name() const { return scene_.name; }
+
+    /// What other threads have finished. Before every frame.
+    void update();
+    /// Asks for the light where a person clicked: at the surface there, or at the object; where nothing is, as far from
+    /// the eye as an object that follows.
+    void ask(const Click& click);
+    void forget_click();
+    void complete(Frame& frame) const;
+    void complete(Facts& facts) const;
+
+    static constexpr int reference_bands = 5;  // A_5 = 0, and A_6 is 1.6 % of A_0
+
+  private:
+    void take(const std::shared_ptr<const LitVolume>& volume);
+    void follow_object();
+    [[nodiscard]] std::optional<ClickedLight> clicked_light() const;
+
+    LevelShow show_;
+    const Scene& scene_;
+    Renderer& renderer_;
+    Session& session_;
+    Tell tell_;
+    std::shared_ptr<const LitVolume> volume_;
+    VolumeSummary summary_;
+    std::optional<double> spacing_;  // that the level has been divided for
+    std::optional<BackgroundBake> bake_;
+    std::future<DefaultFlight> default_flight_;
+    bool default_flight_known_ = false;
+
+    /// One point at a time.
+    struct Reference {
+        std::optional<glm::dvec3> asked;  // where
+        std::optional<ReferenceLight> light;
+        std::optional<ReferenceProbe> probe;  // since it was first wanted; last: its thread ends first
+
+        void ask(const PathTracer& paths, glm::dvec3 position, glm::vec3 normal);
+        void update();
+    };
+    Reference at_object_;
+    Reference at_click_;
+    bool clicked_surface_ = false;
+};
+
+}  // namespace lightgrid

@@ -1,0 +1,11 @@
+#version 330 core
+// One triangle over the whole picture, at the far end of depth.
+uniform mat3 ray;  // columns: right, up, forward
+
+out vec3 direction;
+
+void main() {
+    vec2 corner = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);
+    gl_Position = vec4(corner, 1.0, 1.0);
+    direction = ray * vec3(corner, 1.0);
+}
