@@ -59,6 +59,39 @@ glm::vec2 triangle_point(glm::vec2 u) noexcept {
     return {root * (1 - u.y), root * u.y};
 }
 
+SphericalTriangle::SphericalTriangle(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c) noexcept
+    : a_(glm::normalize(a)), b_(glm::normalize(b)), cos_ab_(glm::dot(a_, b_)) {
+    const glm::dvec3 to_c = glm::normalize(c);
+    const double volume = std::abs(glm::dot(a_, glm::cross(b_, to_c)));
+    const double cos_ac = glm::dot(a_, to_c);
+    const double cos_bc = glm::dot(b_, to_c);
+    solid_angle_ = 2 * std::atan2(volume, 1 + cos_ab_ + cos_bc + cos_ac);
+    // Sine and cosine of the angle at a, both times the sines of the sides that meet there.
+    const double cosine = cos_bc - cos_ab_ * cos_ac;
+    const double length = std::hypot(cosine, volume);
+    cos_a_ = cosine / length;
+    sin_a_ = volume / length;
+    towards_c_ = glm::normalize(to_c - cos_ac * a_);
+}
+
+glm::dvec3 SphericalTriangle::sample(glm::vec2 u) const noexcept {
+    // The corner on the side a-c that cuts off a triangle a-b-corner of the share u.x.
+    const double area = u.x * solid_angle_;
+    const double s = std::sin(area) * cos_a_ - std::cos(area) * sin_a_;
+    const double t = std::cos(area) * cos_a_ + std::sin(area) * sin_a_;
+    const double p = t - cos_a_;
+    const double q = s + sin_a_ * cos_ab_;
+    const double below = (q * s + p * t) * sin_a_;
+    const double cosine = below != 0 ? std::clamp(((q * t - p * s) * cos_a_ - q) / below, -1.0, 1.0) : 1.0;
+    const glm::dvec3 corner = cosine * a_ + std::sqrt(1 - cosine * cosine) * towards_c_;
+    // On the arc from b to there.
+    const double cos_b_corner = glm::dot(corner, b_);
+    const double z = 1 - u.y * (1 - cos_b_corner);
+    const glm::dvec3 across = corner - cos_b_corner * b_;
+    const double length = glm::length(across);
+    return length > 0 ? z * b_ + (std::sqrt(std::max(0.0, 1 - z * z)) / length) * across : b_;
+}
+
 AliasTable::AliasTable(std::span<const double> weights) : bins_(weights.size()) {
     const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
     if (!(sum > 0)) {

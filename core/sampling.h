@@ -107,6 +107,28 @@ class RandomStream {
 /// Barycentric coordinates (b1, b2) of a uniform point of a triangle.
 [[nodiscard]] glm::vec2 triangle_point(glm::vec2 u) noexcept;
 
+/// A triangle as a point sees it, to be sampled evenly by solid angle. In double, since it may be large, thin or close.
+///
+/// Source: Arvo, "Stratified Sampling of Spherical Triangles", 1995; van Oosterom, Strackee, "The Solid Angle of a Plane
+/// Triangle", 1983.
+class SphericalTriangle {
+  public:
+    /// Corners relative to the point, either winding. A point in the triangle's plane sees a solid angle of 0 (or, by
+    /// rounding, 2 pi): there is nothing to sample then.
+    SphericalTriangle(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c) noexcept;
+
+    [[nodiscard]] double solid_angle() const noexcept { return solid_angle_; }
+    /// Unit length; density 1 / solid_angle. The map from the square is continuous: strata stay together.
+    [[nodiscard]] glm::dvec3 sample(glm::vec2 u) const noexcept;
+
+  private:
+    glm::dvec3 a_, b_;         // directions of corners
+    glm::dvec3 towards_c_{0};  // at a, along the side to c; unit length, across a
+    double cos_ab_;
+    double cos_a_ = 1, sin_a_ = 0;  // of the angle at a
+    double solid_angle_;
+};
+
 /// Rec.709 luminance, the importance that all sampling decisions use.
 [[nodiscard]] constexpr float luminance(glm::vec3 color) {
     return 0.2126F * color.x + 0.7152F * color.y + 0.0722F * color.z;

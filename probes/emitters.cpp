@@ -1,7 +1,5 @@
 #include "probes/emitters.h"
 
-#include "core/sampling.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,6 +10,14 @@ namespace {
 
 /// Points of a triangle at which a textured emitter's power is estimated (a wrong estimate costs noise, not bias).
 constexpr int power_samples = 16;
+
+/// Squared distance from a triangle up to which it is sampled by solid angle, of the square of its longest side.
+constexpr double near_sides_squared = 2;
+/// How far off its plane, of the triangle's largest coordinate: receivers that are closer may lie on the triangle itself,
+/// or on one beside it, and would by their rounding see half a space of it.
+constexpr double least_height = 0x1p-16;
+/// Steradians: a smaller one has too little left in double to be divided evenly.
+constexpr double least_solid_angle = 1e-6;
 
 float mean_emission(const Scene& scene, const Mesh& mesh, std::uint32_t triangle) {
     const Material& material = scene.materials[mesh.material];
@@ -30,6 +36,26 @@ float mean_emission(const Scene& scene, const Mesh& mesh, std::uint32_t triangle
 glm::dvec3 double_area(const Tracer::Corners& corners) {
     const glm::dvec3 cross = glm::cross(corners.b - corners.a, corners.c - corners.a);
     return corners.mirrored ? -cross : cross;
+}
+
+double longest_side_squared(const Tracer::Corners& corners) {
+    const auto squared = [](glm::dvec3 v) { return glm::dot(v, v); };
+    return std::max({squared(corners.b - corners.a), squared(corners.c - corners.b), squared(corners.a - corners.c)});
+}
+
+double largest_coordinate(const Tracer::Corners& corners) {
+    const glm::dvec3 v = glm::max(glm::max(glm::abs(corners.a), glm::abs(corners.b)), glm::abs(corners.c));
+    return std::max({v.x, v.y, v.z});
+}
+
+/// Where a ray from the origin meets the plane of a triangle, as barycentric coordinates (b1, b2), within it whatever
+/// the rounding (Moeller, Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997).
+glm::vec2 met_at(glm::dvec3 direction, glm::dvec3 a, glm::dvec3 ab, glm::dvec3 ac) {
+    const glm::dvec3 across = glm::cross(direction, ac);
+    const double volume = glm::dot(ab, across);
+    const double b1 = volume != 0 ? std::clamp(-glm::dot(a, across) / volume, 0.0, 1.0) : 0.0;
+    const double b2 = volume != 0 ? std::clamp(-glm::dot(direction, glm::cross(a, ab)) / volume, 0.0, 1 - b1) : 0.0;
+    return {b1, b2};
 }
 
 /// The same for triangles whose corners are the same, whatever their order.
@@ -56,8 +82,11 @@ Emitters::Emitters(const Tracer& tracer) : tracer_(&tracer) {
             first[geometry] = static_cast<std::uint32_t>(triangles_.size());
             for (std::uint32_t triangle = 0; triangle < mesh.triangles.size(); ++triangle) {
                 const SurfaceId id{instance, geometry, triangle};
-                const double area = 0.5 * glm::length(double_area(tracer.corners(id)));
-                triangles_.push_back({id, area, material.double_sided, static_cast<std::uint32_t>(triangles_.size())});
+                const Tracer::Corners corners = tracer.corners(id);
+                const double area = 0.5 * glm::length(double_area(corners));
+                triangles_.push_back({id, area, material.double_sided, static_cast<std::uint32_t>(triangles_.size()),
+                                      glm::vec3((corners.a + corners.b + corners.c) / 3.0),
+                                      static_cast<float>(near_sides_squared * longest_side_squared(corners))});
                 power.push_back(area * mean_emission(scene, mesh, triangle) * (material.double_sided ? 2 : 1));
             }
         }
@@ -130,11 +159,32 @@ bool Emitters::emits(const Hit& hit, bool front) const noexcept {
     return index != SurfaceId::none && (front || triangles_[index].both_sides);
 }
 
+std::optional<SphericalTriangle> Emitters::near_triangle(glm::vec3 receiver, const Triangle& triangle) const noexcept {
+    const glm::vec3 away = triangle.center - receiver;
+    if (!(glm::dot(away, away) <= triangle.near_squared)) return {};
+    const Tracer::Corners corners = tracer_->corners(triangle.id);
+    const glm::dvec3 from(receiver);
+    const glm::dvec3 normal = glm::normalize(double_area(corners));
+    if (!(std::abs(glm::dot(corners.a - from, normal)) > least_height * largest_coordinate(corners))) return {};
+    const SphericalTriangle seen(corners.a - from, corners.b - from, corners.c - from);
+    if (!(seen.solid_angle() >= least_solid_angle)) return {};
+    return seen;
+}
+
 Emitters::Sample Emitters::sample(const Receiver& receiver, double pick, glm::vec2 where) const noexcept {
     const auto [index, probability] = tree_.draw(receiver, pick);
     if (!(probability > 0)) return {};
-    const glm::vec2 barycentric = triangle_point(where);
-    const Hit hit{triangles_[index].id, 0, barycentric};
+    const Triangle& triangle = triangles_[index];
+    const std::optional<SphericalTriangle> seen = near_triangle(receiver.position, triangle);
+    glm::vec2 barycentric;
+    if (seen) {
+        const Tracer::Corners corners = tracer_->corners(triangle.id);
+        barycentric = met_at(seen->sample(where), corners.a - glm::dvec3(receiver.position), corners.b - corners.a,
+                             corners.c - corners.a);
+    } else {
+        barycentric = triangle_point(where);
+    }
+    const Hit hit{triangle.id, 0, barycentric};
     Surface surface = tracer_->surface(hit, glm::vec3(0));
     const glm::vec3 to_emitter = surface.position - receiver.position;
     const float distance_squared = glm::dot(to_emitter, to_emitter);
@@ -145,8 +195,9 @@ Emitters::Sample Emitters::sample(const Receiver& receiver, double pick, glm::ve
     sample.id = hit.id;
     surface.offset += std::sqrt(distance_squared) * 0x1p-20F;  // Embree's rounding at the far end grows with the ray
     sample.position = surface.leave(-to_emitter);
-    sample.pdf = static_cast<float>(probability / triangles_[index].area) * distance_squared / std::abs(cosine);
-    if (cosine > 0 || triangles_[index].both_sides) {
+    sample.pdf = seen ? static_cast<float>(probability / seen->solid_angle())
+                      : static_cast<float>(probability / triangle.area) * distance_squared / std::abs(cosine);
+    if (cosine > 0 || triangle.both_sides) {
         const SurfacePoint point = surface_at(tracer_->scene(), *surface.mesh, hit.id.triangle, barycentric);
         sample.radiance = point.alpha * point.emission;
     }
@@ -157,12 +208,16 @@ float Emitters::pdf(const Receiver& receiver, const Hit& hit, const Surface& sur
     if (empty()) return 0;
     const std::uint32_t index = index_of(hit.id);
     if (index == SurfaceId::none) return 0;
+    const std::uint32_t sampled_as = triangles_[index].sampled_as;
+    const Triangle& sampled = triangles_[sampled_as];
+    const float probability = tree_.probability(receiver, sampled_as);
+    if (const auto seen = near_triangle(receiver.position, sampled)) {
+        return static_cast<float>(probability / seen->solid_angle());
+    }
     const glm::vec3 to_emitter = surface.position - receiver.position;
     const float distance_squared = glm::dot(to_emitter, to_emitter);
     const float cosine = std::abs(glm::dot(to_emitter, surface.normal)) / std::sqrt(distance_squared);
     if (!(cosine > 0)) return 0;
-    const Triangle& sampled = triangles_[triangles_[index].sampled_as];
-    const float probability = tree_.probability(receiver, triangles_[index].sampled_as);
     return static_cast<float>(probability / sampled.area) * distance_squared / cosine;
 }
 

@@ -1,18 +1,21 @@
 #pragma once
 
+#include "core/sampling.h"
 #include "core/tracer.h"
 #include "probes/emitter_tree.h"
 
 #include <glm/glm.hpp>
 
+#include <optional>
 #include <span>
 #include <vector>
 
 namespace lightgrid {
 
-/// All emitting triangles of a level, to be sampled in proportion to about what they bring to a receiver. Of triangles
-/// of one material that coincide one is sampled for all, so that doubled geometry shines once, and from both sides
-/// where they face both ways.
+/// All emitting triangles of a level, to be sampled in proportion to about what they bring to a receiver: near ones
+/// evenly by solid angle, far ones, where that is nearly the same and costs more, by area. Of triangles of one material
+/// that coincide one is sampled for all, so that doubled geometry shines once, and from both sides where they face both
+/// ways.
 class Emitters {
   public:
     struct Sample {
@@ -40,8 +43,13 @@ class Emitters {
         double area;
         bool both_sides;
         std::uint32_t sampled_as;  // index of the one that is sampled for all that coincide
+        glm::vec3 center{0};
+        float near_squared = 0;  // receivers that are not further away sample it by solid angle
     };
 
+    /// As the receiver sees it; nothing where it is to be sampled by area.
+    [[nodiscard]] std::optional<SphericalTriangle> near_triangle(glm::vec3 receiver,
+                                                                 const Triangle& triangle) const noexcept;
     void merge_coincident(std::span<double> power);
     [[nodiscard]] std::uint32_t index_of(const SurfaceId& id) const noexcept;
     [[nodiscard]] EmitterTree tree_of(std::span<const double> power) const;

@@ -1,5 +1,6 @@
 #include "core/sampling.h"
 
+#include "tests/polygon_light.h"
 #include "tests/sphere.h"
 
 #include <glm/gtc/constants.hpp>
@@ -261,6 +262,39 @@ TEST(Sampling, TrianglePointsAreUniform) {
                     return b.x >= 0 && b.y >= 0 && b.x + b.y <= 1 ? 1.0 : 0.0;
                 }),
                 1, 0);
+}
+
+TEST(Sampling, SphericalTrianglesAreSampledEvenly) {
+    EXPECT_NEAR(SphericalTriangle({3, 0, 0}, {0, 1, 0}, {0, 0, 0.1}).solid_angle(), pi / 2, 1e-12) << "an octant";
+    EXPECT_EQ(SphericalTriangle({1, 0, 0}, {0, 1, 0}, {2, 2, 0}).solid_angle(), 0) << "edge-on";
+
+    // Small, wide, thin, nearly a half space; both windings.
+    const std::vector<std::vector<glm::dvec3>> triangles = {{{0, 0, 1}, {0.1, 0, 1}, {0, 0.1, 1}},
+                                                            {{-1, 2, 0.1}, {4, -3, 0.2}, {-2, -2, 0.5}},
+                                                            {{1, 0, 1}, {1, 5, 1}, {1, 5, 1.001}},
+                                                            {{-100, -80, 0.01}, {0, 100, 0.01}, {100, -80, 0.01}}};
+    for (const auto& t : triangles) {
+        const SphericalTriangle triangle(t[0], t[1], t[2]);
+        const double solid_angle = polygon_solid_angle(t, glm::dvec3(0));
+        EXPECT_NEAR(triangle.solid_angle(), solid_angle, 1e-12);
+        // The cosines to an axis that sees all of it add up to the irradiance of a polygon.
+        for (const glm::dvec3 normal : {glm::dvec3(0, 0, 1), glm::normalize(t[0] + t[1] + t[2])}) {
+            const double exact = polygon_irradiance(t, glm::dvec3(0), normal) / solid_angle;
+            EXPECT_NEAR(mapped_mean([&](glm::vec2 u) { return glm::dot(triangle.sample(u), normal); }), exact, 2e-4);
+        }
+        // Either part of it gets its share.
+        const glm::dvec3 middle = (t[1] + t[2]) / 2.0;
+        const glm::dvec3 cut = glm::cross(t[0], middle);
+        const double side = glm::dot(cut, t[1]);
+        const double share = polygon_solid_angle({t[0], t[1], middle}, glm::dvec3(0)) / solid_angle;
+        EXPECT_NEAR(mapped_mean([&](glm::vec2 u) { return glm::dot(cut, triangle.sample(u)) * side > 0 ? 1.0 : 0.0; }),
+                    share, 2e-3);
+        const float last = 1 - 0x1p-24F;
+        for (const glm::vec2 corner :
+             {glm::vec2(0, 0), glm::vec2(last, 0), glm::vec2(0, last), glm::vec2(last, last)}) {
+            EXPECT_NEAR(glm::length(triangle.sample(corner)), 1, 1e-9);
+        }
+    }
 }
 
 TEST(Sampling, LuminanceIsThatOfRec709) {
