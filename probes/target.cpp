@@ -31,8 +31,10 @@ double interpolation_goal(const Target& target, double bands_error) noexcept {
 
 double noise_goal(const Target& target, double rest) noexcept {
     const double aimed = aimed_error(target);
-    const double least = target.error || target.seconds ? 0.0 : default_noise;
-    return std::max({std::sqrt(std::max(aimed * aimed - rest * rest, 0.0)), noise_share * rest, least});
+    const bool is_asked = target.error || target.seconds;
+    const double beside_rest =
+        is_asked ? noise_share * rest : std::clamp(noise_share * rest, default_noise, default_error);
+    return std::max(std::sqrt(std::max(aimed * aimed - rest * rest, 0.0)), beside_rest);
 }
 
 double NoiseLaw::at(double other_samples) const noexcept {

@@ -24,7 +24,8 @@ inline constexpr double aimed_share = 0.75;
 inline constexpr double interpolation_share = 0.8;
 /// Where the other parts leave more than the target, noise and bias are reduced to this share of them: 3 % of the whole.
 inline constexpr double noise_share = 0.25;
-/// Less noise than this is not worth its time where no target is given and interpolation misses it anyway.
+/// Less noise than this is not worth its time where no target is given and interpolation misses it anyway. More than
+/// `default_error` of noise is not left there either: what interpolation misses may be next to lamps alone.
 inline constexpr double default_noise = 0.5 * default_error;
 
 /// What interpolation may leave (relRMSE) where bands leave `bands_error`: the rest of the target, but no less than half

@@ -132,6 +132,11 @@ TEST(Target, NoiseIsAQuarterOfWhatCannotBeReached) {
     EXPECT_NEAR(interpolation_goal(target, 0.4), 0.2, 1e-12) << "no finer than bands are worth";
 }
 
+TEST(Target, NoiseIsNoMoreThanTheDefaultErrorWhateverTheRestIs) {
+    EXPECT_EQ(noise_goal({}, 0.5), default_error);
+    EXPECT_EQ(noise_goal({}, 0.02), default_noise);
+}
+
 TEST(Target, SamplesFollowFromTheLawOfNoise) {
     const NoiseLaw law{0.01, 1024, 1.25};
     const std::uint32_t samples = samples_for(law, 0.05, 1U << 20);
