@@ -13,6 +13,8 @@ namespace {
 
 /// With a time budget: replicates that it shall pay for (more if they turn out cheaper), and what tells too little.
 constexpr std::uint32_t least_replicates = 4;
+/// Each takes about four times as long as the one before.
+constexpr int most_finer_caches = 2;
 
 std::string percent(double share) {
     return fmt::format("{:.2g} %", 100 * share);
@@ -78,7 +80,6 @@ class Bake {
     BakeResult run() {
         trace_reference();
         solve_surfaces();
-        measure_bias();
         gather();
         finish();
         measure();
@@ -110,24 +111,66 @@ class Bake {
         }
     }
 
+    /// The light of surfaces, known well enough for the target: finer while its bias is certainly too large, and in the
+    /// end not at all where an error is asked for. Samples or time that are given are kept to.
     void solve_surfaces() {
         if (plan_.method != Method::cache) return;
+        const bool is_free = plan_.steering && !options_.clock && !held_out_.points.empty();
+        CacheOptions cache_options = plan_.cache;
+        for (int finer = 0;; ++finer) {
+            solve_surfaces(cache_options);
+            measure_bias(finer);
+            if (!is_free) return;
+            const double goal = bias_goal(options_.target, rest_expected());
+            const double bias = bias_of(held_out_).interval.low;
+            if (bias <= goal) return;
+            const std::string too_much = fmt::format("its bias is at least {}, above {}", percent(bias), percent(goal));
+            if (finer == most_finer_caches) {
+                if (options_.target.error) leave_out_cache(too_much);
+                return;
+            }
+            cache_options.width /= 2;
+            cache_options.rays_per_probe *= 2;
+            cache_options.light_samples *= 2;
+            cache_options.seed = mix_bits(plan_.cache.seed, finer);
+        }
+    }
+
+    void solve_surfaces(const CacheOptions& cache_options) {
         const Stopwatch watch;
         tell({"cache"});
-        cache_ = build_surface_cache(paths_, plan_.points, plan_.cache);
+        cache_ = build_surface_cache(paths_, plan_.points, cache_options);
+        result_.method = Method::cache;
         result_.cache = cache_->made();
         add_stage("cache", watch.seconds(), result_.cache->counts);
     }
 
-    void measure_bias() {
-        if (!cache_ || held_out_.points.empty()) return;
+    /// As measured with paths of their own for each cache, so that none is chosen for its luck with them.
+    void measure_bias(int attempt) {
+        if (held_out_.points.empty()) return;
         const Stopwatch watch;
         tell({"bias"});
         BiasOptions bias_options;
         bias_options.samples = std::max(1U, plan_.held_out.samples / 2);
-        bias_options.seed = mix_bits(options_.seed, 10);
+        bias_options.seed = mix_bits(mix_bits(options_.seed, 10), attempt);
         trace_bias(held_out_, paths_, *cache_, bias_options);
         add_stage("bias", watch.seconds(), held_out_.bias->counts);
+    }
+
+    void leave_out_cache(const std::string& why) {
+        cache_.reset();
+        held_out_.bias.reset();
+        result_.cache.reset();
+        result_.method = Method::path;
+        result_.left_out.push_back({"the surface cache", why, "a bias that more samples would not lower"});
+    }
+
+    /// Of bands and interpolation.
+    [[nodiscard]] double rest_expected() const {
+        const Steering& steering = *plan_.steering;
+        const double bands =
+            steering.bands_error.empty() ? 0 : steering.bands_error[static_cast<std::size_t>(steering.bands) - 1];
+        return std::hypot(steering.interpolation, bands);
     }
 
     /// What time allows of `more` replicates, or all of them where it is no matter.
@@ -224,7 +267,7 @@ class Bake {
         result_.volume.settings = {
             {"level", paths_.tracer().scene().name},
             {"environment", options_.environment.empty() ? "none" : options_.environment},
-            {"method", name_of(plan_.method)},
+            {"method", name_of(result_.method)},
             {"samples", fmt::format("{}", per_replicate * result_.replicates)},
             {"replicates", fmt::format("{}", result_.replicates)},
             {"seed", fmt::format("{}", options_.seed)},

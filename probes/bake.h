@@ -102,6 +102,7 @@ struct BakeResult {
     std::vector<LookUpCost> look_ups;  // where asked for and the error was measured
     std::vector<LeftOut> left_out;
     std::vector<Stage> stages;
+    Method method = Method::path;  // paths too where no cache that was tried was good enough
     std::optional<CacheMade> cache;
     PathCounts counts;
     std::size_t filled = 0;

@@ -177,6 +177,17 @@ void trace_bias(HeldOut& held_out, const PathTracer& paths, const SurfaceCache& 
     held_out.counts += held_out.bias->counts;
 }
 
+ErrorPart bias_of(const HeldOut& held_out) {
+    if (!held_out.bias) return {};
+    std::vector<PointSums> sums(held_out.points.size());
+    for (std::size_t i = 0; i < held_out.bias->a.size(); ++i) {
+        PointSums& sum = sums[i / normals_per_point];
+        sum.reference += component_sum(held_out.a.irradiance[i].mean * held_out.b.irradiance[i].mean);
+        sum.bias += component_sum(held_out.bias->a[i] * held_out.bias->b[i]);
+    }
+    return summarise(sums, &PointSums::bias);
+}
+
 ErrorReport measure_error(const Volume& volume, const HeldOut& reference, const Volume* rounded_from,
                           const SampleOptions& look_up) {
     ErrorReport report;

@@ -93,6 +93,9 @@ struct HeldOutOptions {
 /// How far a cache is off at held-out points.
 void trace_bias(HeldOut& held_out, const PathTracer& paths, const SurfaceCache& cache, const BiasOptions& options);
 
+/// The bias that was traced, by itself; 0 where none was.
+[[nodiscard]] ErrorPart bias_of(const HeldOut& held_out);
+
 /// rounded_from  the volume before its numbers were rounded for storage; none: they were not, and storage is 0
 /// look_up       how the volume is read
 [[nodiscard]] ErrorReport measure_error(const Volume& volume, const HeldOut& reference,

@@ -60,6 +60,7 @@ class CacheBuilder {
         complete_transport();
 
         const TransportSolution solution = solve(transport_, options_.accuracy);
+        made_.width = options_.width;
         made_.samples = samples_.size();
         made_.patches = patches_.size();
         made_.cut_cubes = patches_.cut_cubes();

@@ -23,6 +23,7 @@ struct CacheOptions {
 
 /// How a cache came about.
 struct CacheMade {
+    float width = 0;  // of patches, metres
     std::size_t samples = 0;
     std::size_t patches = 0;
     std::size_t cut_cubes = 0;

@@ -37,6 +37,10 @@ double noise_goal(const Target& target, double rest) noexcept {
     return std::max(std::sqrt(std::max(aimed * aimed - rest * rest, 0.0)), beside_rest);
 }
 
+double bias_goal(const Target& target, double rest) noexcept {
+    return std::max(bias_share * target.error.value_or(default_error), noise_share * rest);
+}
+
 double NoiseLaw::at(double other_samples) const noexcept {
     return variance * std::pow(static_cast<double>(samples) / other_samples, exponent);
 }

@@ -34,6 +34,10 @@ inline constexpr double default_noise = 0.5 * default_error;
 /// What noise at points in cells may leave where bands and interpolation together leave `rest`.
 [[nodiscard]] double noise_goal(const Target& target, double rest) noexcept;
 
+/// What bias may be, certainly, before something is done about it (relRMSE): a quarter of the target, in squares.
+inline constexpr double bias_share = 0.5;
+[[nodiscard]] double bias_goal(const Target& target, double rest) noexcept;
+
 /// Relative noise of gathers with GatherOptions' replicates, and how it falls as their rays grow.
 struct NoiseLaw {
     double variance = 0;  // of irradiance over its mean square, at `samples`

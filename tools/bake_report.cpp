@@ -224,7 +224,7 @@ void print_result(const Messages& messages, const BakePlan& plan, const BakeResu
     }
     if (result.cache) {
         messages.line(fmt::format("cache      {} patches of {} samples, {:.3g} m wide, solved in {} sweeps to {:.1e}",
-                                  result.cache->patches, result.cache->samples, plan.cache.width, result.cache->sweeps,
+                                  result.cache->patches, result.cache->samples, result.cache->width, result.cache->sweeps,
                                   result.cache->residual));
     }
     if (result.counts.dropped > 0) {
@@ -284,7 +284,7 @@ json bake_report(const Tracer& tracer, const BakePlan& plan, const BakeResult& r
     report["bands"] = result.volume.bands;
     report["seed"] = options.seed;
     report["samples"] = plan.samples / GatherOptions{}.replicates * result.replicates;
-    report["method"] = name_of(plan.method);
+    report["method"] = name_of(result.method);
     if (result.cache) {
         report["cache"] = {{"patches", result.cache->patches},
                            {"samples", result.cache->samples},
@@ -292,7 +292,7 @@ json bake_report(const Tracer& tracer, const BakePlan& plan, const BakeResult& r
                            {"generations", result.cache->generations},
                            {"sweeps", result.cache->sweeps},
                            {"residual", result.cache->residual},
-                           {"width", plan.cache.width}};
+                           {"width", result.cache->width}};
     }
     report["replicates"] = result.replicates;
     report["why_samples"] = plan.why_samples;

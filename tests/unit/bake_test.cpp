@@ -1,0 +1,73 @@
+#include "probes/bake.h"
+#include "tests/scene_builder.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace lightgrid {
+namespace {
+
+/// A room of 4 m, a lamp in a corner.
+struct Room {
+    Scene scene;
+    Environment sky;
+    Tracer tracer;
+    PathTracer paths;
+
+    Room() : scene(made()), tracer(scene), paths(tracer, sky) {}
+    static Scene made() {
+        Scene room;
+        const int wall = add_grey(room, 0.7F);
+        const int lamp = add_grey(room, 0, 10);
+        add_box(room, wall, {0, 0, 0}, {4, 4, 4}, Facing::inward);
+        add_quad(room, lamp, {0.1F, 3.9F, 0.1F}, {1, 0, 0}, {0, 0, 1});
+        return room;
+    }
+};
+
+/// With the patches of its cache as wide as this, whatever the plan says.
+BakeResult bake_with_patches(const Room& room, float width, const Target& target) {
+    BakeOptions options;
+    options.placement.spacing = 1;
+    options.target = target;
+    BakePlan plan = plan_bake(room.paths, options);
+    plan.cache.width = width;
+    return run_bake(room.paths, plan, options);
+}
+
+bool leaves_out_cache(const BakeResult& result) {
+    return std::any_of(result.left_out.begin(), result.left_out.end(),
+                       [](const LeftOut& item) { return item.what == "the surface cache"; });
+}
+
+TEST(Bake, MakesPatchesFinerWhoseBiasIsTooLarge) {
+    const Room room;
+    const BakeResult result = bake_with_patches(room, 8, {{}, 0.1, {}});
+    ASSERT_TRUE(result.cache);
+    EXPECT_LT(result.cache->width, 8.0F);
+    EXPECT_LT(result.error->bias->interval.low, bias_goal({{}, 0.1, {}}, 0));
+    EXPECT_FALSE(leaves_out_cache(result));
+}
+
+TEST(Bake, FollowsPathsWhereNoPatchesAreFineEnoughForTheErrorThatIsAskedFor) {
+    const Room room;
+    const BakeResult result = bake_with_patches(room, 32, {{}, 0.1, {}});
+    EXPECT_EQ(result.method, Method::path);
+    EXPECT_FALSE(result.cache);
+    EXPECT_FALSE(result.error->bias);
+    EXPECT_TRUE(leaves_out_cache(result));
+    EXPECT_TRUE(std::any_of(result.volume.settings.begin(), result.volume.settings.end(),
+                            [](const auto& setting) { return setting.second == "path"; }));
+}
+
+TEST(Bake, KeepsToTheSamplesThatAreAskedForWhateverTheBias) {
+    const Room room;
+    const BakeResult result = bake_with_patches(room, 32, {256, {}, {}});
+    EXPECT_EQ(result.method, Method::cache);
+    EXPECT_EQ(result.cache->width, 32.0F);
+    EXPECT_GT(result.error->bias->interval.low, 0.1) << "but it is measured";
+}
+
+}  // namespace
+}  // namespace lightgrid
