@@ -42,7 +42,7 @@ class BackgroundBake {
 
     struct Status {
         bool working = true;
-        std::string stage;          // "place", "gather"
+        std::string stage;          // "place", "cache", "gather"
         double share = 0;           // of the stage
         std::uint32_t samples = 0;  // that the volume being made will have; 0 while places are looked for
     };
