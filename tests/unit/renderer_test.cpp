@@ -208,6 +208,22 @@ TEST_F(Picture, SeveralSamplesAPixelSmoothEdges) {
     EXPECT_EQ(differing(4), 1);
 }
 
+TEST_F(Picture, ExposureIsForTheAlbedoOfALightLevel) {
+    static_cast<void>(draw());
+    const float grey = renderer_.exposure();
+    add_wall(add_grey(scene_, 0.2F));
+    static_cast<void>(draw());
+    EXPECT_FLOAT_EQ(renderer_.exposure(), grey) << "what is dark is not lightened";
+    // As much of it again, in an instance of twice the size: (0.2 + 4 x 0.9) / 5.
+    const int model = static_cast<int>(scene_.models.size());
+    const int mesh = add_wall(add_grey(scene_, 0.9F));
+    std::erase(scene_.placed, mesh);
+    scene_.models.push_back({{mesh}});
+    scene_.instances.push_back({model, glm::mat4x3(2)});
+    static_cast<void>(draw());
+    EXPECT_NEAR(renderer_.exposure(), grey * std::sqrt(0.5F / 0.76F), 1e-5F * grey);
+}
+
 TEST_F(Picture, ExposureIsForTheLightAround) {
     add_wall(add_grey(scene_, 0.5F));
     static_cast<void>(draw());
