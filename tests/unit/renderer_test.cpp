@@ -128,6 +128,27 @@ TEST_F(Picture, TheNearerOfTwoPanesIsDrawnOverTheFarther) {
     expect_light(draw(), glm::vec3(2, 1, 0) + 0.25F * sky);
 }
 
+TEST_F(Picture, TrianglesOfOneMeshThatBlendsAreDrawnFromTheFarthestOn) {
+    Material pane;
+    pane.alpha_mode = AlphaMode::blend;
+    pane.alpha = 0.5F;
+    const int material = add_material(scene_, pane);
+    // In the order in which they are stored the nearer come first, in the mesh and among its places.
+    const int mesh = store_mesh(
+        scene_, material,
+        {{-4, -4, -2}, {4, -4, -2}, {4, 4, -2}, {-4, 4, -2}, {-4, -4, -3}, {4, -4, -3}, {4, 4, -3}, {-4, 4, -3}},
+        {{0, 1, 2}, {0, 2, 3}, {4, 5, 6}, {4, 6, 7}});
+    for (int i = 0; i < 8; ++i) {
+        scene_.meshes[static_cast<std::size_t>(mesh)].colors.push_back(i < 4 ? glm::u16vec4(65535, 0, 0, 65535)
+                                                                             : glm::u16vec4(0, 65535, 0, 65535));
+    }
+    add_instance(scene_, mesh, glm::mat4x3(1));
+    add_instance(scene_, mesh, glm::mat4x3(1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, -2));
+    const glm::vec3 red = light * glm::vec3(1, 0, 0);
+    const glm::vec3 green = light * glm::vec3(0, 1, 0);
+    expect_light(draw(), 0.5F * red + 0.25F * green + 0.125F * red + 0.0625F * green + 0.0625F * sky);
+}
+
 TEST_F(Picture, MaskCutsAwayWhatIsBelowItsCutoff) {
     Material leaf;
     leaf.base_color = glm::vec3(0.5F);
