@@ -1,5 +1,7 @@
 #include "viewer/draw_level.h"
 
+#include "viewer/blend_order.h"
+
 #include <algorithm>
 #include <cstddef>
 #include <numbers>
@@ -26,7 +28,8 @@ LevelDrawing::LevelDrawing(const Gl& gl, const ShaderSources& shaders, const Sce
       programs_(gl, shaders, "level.vert", "level.frag"),
       vertex_array_(make_vertex_array(gl)),
       vertices_(make_buffer(gl)),
-      indices_(make_buffer(gl)) {
+      indices_(make_buffer(gl)),
+      blended_indices_(make_buffer(gl)) {
     for (const Material& material : scene.materials) {
         Surface surface;
         surface.material = material;
@@ -132,15 +135,16 @@ const Program& LevelDrawing::program(Shader shader, const Light& light, bool wit
     return programs_.with(defines);
 }
 
-void LevelDrawing::draw(const Program& program, std::span<const std::size_t> draws, const Eye& eye,
-                        const Light& light) const {
+void LevelDrawing::draw(const Program& program, std::span<const LevelDraw* const> draws, const Buffer& indices,
+                        const Eye& eye, const Light& light) const {
     gl_.UseProgram(program.name());
     gl_.BindVertexArray(vertex_array_.name());
+    gl_.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices.name());
     const Uniforms uniforms(gl_, program);
     set_eye(uniforms, eye, light);
     int material = -1;
-    for (const std::size_t i : draws) {
-        const LevelDraw& next = mesh_.draws[i];
+    for (const LevelDraw* draw : draws) {
+        const LevelDraw& next = *draw;
         if (eye.misses(next.bounds)) continue;
         if (next.material != material) {
             set_material(uniforms, surfaces_[static_cast<std::size_t>(next.material)], eye.exposure);
@@ -169,29 +173,30 @@ void LevelDrawing::draw_opaque(const Eye& eye, const Light& light) {
     for (const auto& [shader, draws] :
          {std::pair(Shader::opaque, &opaque_), std::pair(Shader::see_through, &cut_out_)}) {
         // Most of a level is out of the shadow's reach and spared its cost.
-        std::vector<std::size_t> shaded;
-        std::vector<std::size_t> others;
+        std::vector<const LevelDraw*> shaded;
+        std::vector<const LevelDraw*> others;
         for (const std::size_t i : *draws) {
             const bool reached = light.shadow && light.shadow->reaches(mesh_.draws[i].bounds);
-            (reached ? shaded : others).push_back(i);
+            (reached ? shaded : others).push_back(&mesh_.draws[i]);
         }
-        if (!others.empty()) draw(program(shader, light, false), others, eye, light);
-        if (!shaded.empty()) draw(program(shader, light, true), shaded, eye, light);
+        if (!others.empty()) draw(program(shader, light, false), others, indices_, eye, light);
+        if (!shaded.empty()) draw(program(shader, light, true), shaded, indices_, eye, light);
     }
 }
 
 void LevelDrawing::draw_blended(const Eye& eye, const Light& light) {
-    if (blended_.empty()) return;
-    std::vector<std::size_t> farthest_first = blended_;
-    const auto distance = [&](std::size_t i) {
-        return glm::distance(glm::dvec3(eye.position), mesh_.draws[i].bounds.center());
-    };
-    std::stable_sort(farthest_first.begin(), farthest_first.end(),
-                     [&](std::size_t a, std::size_t b) { return distance(a) > distance(b); });
+    const BlendOrder order = farthest_first(mesh_, blended_, eye);
+    if (order.draws.empty()) return;
+    std::vector<const LevelDraw*> draws;
+    for (const LevelDraw& next : order.draws) draws.push_back(&next);
+    gl_.BindVertexArray(vertex_array_.name());
+    gl_.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, blended_indices_.name());
+    gl_.BufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(order.indices.size() * sizeof(std::uint32_t)),
+                   order.indices.data(), GL_STREAM_DRAW);
     gl_.Enable(GL_BLEND);
     gl_.BlendFunc(GL_ONE, GL_SRC1_COLOR);
     gl_.DepthMask(GL_FALSE);
-    draw(program(Shader::see_through, light, light.shadow.has_value()), farthest_first, eye, light);
+    draw(program(Shader::see_through, light, light.shadow.has_value()), draws, blended_indices_, eye, light);
     gl_.DepthMask(GL_TRUE);
     gl_.Disable(GL_BLEND);
 }

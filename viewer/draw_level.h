@@ -48,7 +48,7 @@ class LevelDrawing {
     };
     /// What hides what is behind it, but where MASK cuts it away; writes depth.
     void draw_opaque(const Eye& eye, const Light& light);
-    /// What lets light through, over what has been drawn, the farthest first.
+    /// What lets light through, over what has been drawn; see farthest_first().
     void draw_blended(const Eye& eye, const Light& light);
 
   private:
@@ -63,7 +63,8 @@ class LevelDrawing {
     enum class Shader : std::uint8_t { opaque, see_through };
     /// The program for this light, with the shadow or without.
     [[nodiscard]] const Program& program(Shader shader, const Light& light, bool with_shadow);
-    void draw(const Program& program, std::span<const std::size_t> draws, const Eye& eye, const Light& light) const;
+    void draw(const Program& program, std::span<const LevelDraw* const> draws, const Buffer& indices, const Eye& eye,
+              const Light& light) const;
     void set_eye(const Uniforms& uniforms, const Eye& eye, const Light& light) const;
     void set_material(const Uniforms& uniforms, const Surface& surface, float exposure) const;
 
@@ -78,6 +79,7 @@ class LevelDrawing {
     VertexArray vertex_array_;
     Buffer vertices_;
     Buffer indices_;
+    Buffer blended_indices_;  // of the picture that is drawn
     TexelBuffer instances_;
 };
 

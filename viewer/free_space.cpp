@@ -72,23 +72,6 @@ Lattice lattice_over(const Volume& volume, glm::dvec3 origin) {
     return lattice;
 }
 
-struct Surroundings {
-    float clearance = 0;
-    float fronts = 0;
-};
-
-Surroundings look_around(const Tracer& tracer, glm::vec3 point, float most) {
-    Surroundings found{most, 0};
-    for (const glm::ivec3& step : neighbours()) {
-        const glm::vec3 direction = glm::normalize(glm::vec3(step));
-        const Hit hit = tracer.closest_hit(point, direction);
-        if (!hit.found()) continue;
-        found.clearance = std::min(found.clearance, hit.distance);
-        if (tracer.surface(hit, direction).front) found.fronts += 1.0F / static_cast<float>(neighbours().size());
-    }
-    return found;
-}
-
 /// Lattice points next to a valid probe that it sees.
 std::vector<std::size_t> seen_by_probes(const Tracer& tracer, const Volume& volume, const Lattice& lattice) {
     std::vector<std::size_t> seen;
@@ -121,66 +104,99 @@ float clearance_at(const Tracer& tracer, glm::vec3 point, float most) {
     return nearest;
 }
 
-FreeSpace find_free_space(const Tracer& tracer, const Volume& volume, float clearance) {
-    FreeSpace space;
-    const Lattice lattice = lattice_over(volume, tracer.scene().origin);
-    space.spacing = lattice.spacing;
-    const auto most = static_cast<float>(most_clearance * lattice.spacing);
-    const auto least = static_cast<float>(clearance * lattice.spacing);
+namespace {
 
-    std::vector<Surroundings> around(lattice.size());
-    // Bit k of a point: the line to neighbour k is clear.
-    std::vector<std::uint32_t> open(lattice.size(), 0);
-    for_each_index(lattice.size(), [&](std::size_t i) { around[i] = look_around(tracer, lattice.position(i), most); });
+/// What is round each point of a lattice.
+struct Survey {
+    std::vector<float> clearance;
+    std::vector<std::uint32_t> open;  // bit k: the line to neighbour k is clear
+};
+
+Survey look_around(const Tracer& tracer, const Lattice& lattice, float least) {
+    Survey survey{std::vector<float>(lattice.size()), std::vector<std::uint32_t>(lattice.size())};
+    const auto most = static_cast<float>(most_clearance * lattice.spacing);
+    const auto wanted = static_cast<float>(least * lattice.spacing);
+    for_each_index(lattice.size(),
+                   [&](std::size_t i) { survey.clearance[i] = clearance_at(tracer, lattice.position(i), most); });
     for_each_index(lattice.size(), [&](std::size_t i) {
-        if (around[i].clearance < least) return;
+        if (survey.clearance[i] < wanted) return;
         for (std::size_t k = 0; k < neighbours().size(); ++k) {
             const glm::ivec3 to = lattice.at(i) + neighbours()[k];
-            if (!lattice.holds(to) || around[lattice.index(to)].clearance < least) continue;
-            if (is_clear(tracer, lattice.position(i), lattice.position(lattice.index(to)))) open[i] |= 1U << k;
+            if (!lattice.holds(to) || survey.clearance[lattice.index(to)] < wanted) continue;
+            if (is_clear(tracer, lattice.position(i), lattice.position(lattice.index(to)))) survey.open[i] |= 1U << k;
         }
     });
+    return survey;
+}
 
-    // What probes see spreads along open lines; the largest part stays.
-    constexpr std::uint32_t none = 0xffffffffU;
-    std::vector<std::uint32_t> part(lattice.size(), none);
+/// Calls body(neighbour, k) for all that one gets to from point i straight on.
+template <typename Body>
+void for_each_open(const Lattice& lattice, const Survey& survey, std::size_t i, const Body& body) {
+    for (std::size_t k = 0; k < neighbours().size(); ++k) {
+        if ((survey.open[i] >> k & 1U) != 0) body(lattice.index(lattice.at(i) + neighbours()[k]), k);
+    }
+}
+
+/// What probes see spreads along open lines; the largest part stays.
+std::vector<std::size_t> largest_part(const Lattice& lattice, const Survey& survey, std::span<const std::size_t> seeds,
+                                      float clearance) {
+    const auto least = static_cast<float>(clearance * lattice.spacing);
+    std::vector<bool> met(lattice.size());
     std::vector<std::size_t> largest;
-    for (const std::size_t seed : seen_by_probes(tracer, volume, lattice)) {
-        if (part[seed] != none || around[seed].clearance < least) continue;
+    for (const std::size_t seed : seeds) {
+        if (met[seed] || survey.clearance[seed] < least) continue;
         std::vector<std::size_t> reached{seed};
-        part[seed] = static_cast<std::uint32_t>(seed);
+        met[seed] = true;
         for (std::size_t next = 0; next < reached.size(); ++next) {
-            const std::size_t i = reached[next];
-            for (std::size_t k = 0; k < neighbours().size(); ++k) {
-                if ((open[i] >> k & 1U) == 0) continue;
-                const std::size_t to = lattice.index(lattice.at(i) + neighbours()[k]);
-                if (part[to] != none) continue;
-                part[to] = static_cast<std::uint32_t>(seed);
+            for_each_open(lattice, survey, reached[next], [&](std::size_t to, std::size_t) {
+                if (met[to] || survey.clearance[to] < least) return;
+                met[to] = true;
                 reached.push_back(to);
-            }
+            });
         }
         if (reached.size() > largest.size()) largest = std::move(reached);
     }
-    std::sort(largest.begin(), largest.end());
+    return largest;
+}
 
+FreeSpace space_of(const Lattice& lattice, const Survey& survey, std::span<const std::size_t> part, float clearance) {
+    FreeSpace space;
+    space.spacing = lattice.spacing;
+    space.room = static_cast<float>(clearance * lattice.spacing);
+    constexpr std::uint32_t none = 0xffffffffU;
     std::vector<std::uint32_t> number(lattice.size(), none);
-    for (const std::size_t i : largest) {
+    for (const std::size_t i : part) {
         number[i] = static_cast<std::uint32_t>(space.points.size());
         space.points.push_back(lattice.position(i));
-        space.clearance.push_back(around[i].clearance);
-        space.fronts.push_back(around[i].fronts);
+        space.clearance.push_back(survey.clearance[i]);
     }
-    for (const std::size_t i : largest) {
+    for (const std::size_t i : part) {
         space.first_link.push_back(static_cast<std::uint32_t>(space.links.size()));
-        for (std::size_t k = 0; k < neighbours().size(); ++k) {
-            if ((open[i] >> k & 1U) == 0) continue;
-            const std::size_t to = lattice.index(lattice.at(i) + neighbours()[k]);
+        for_each_open(lattice, survey, i, [&](std::size_t to, std::size_t k) {
+            if (number[to] == none) return;
             space.links.push_back(
                 {number[to], static_cast<float>(lattice.spacing * glm::length(glm::dvec3(neighbours()[k])))});
-        }
+        });
     }
     space.first_link.push_back(static_cast<std::uint32_t>(space.links.size()));
     return space;
+}
+
+}  // namespace
+
+FreeSpace find_free_space(const Tracer& tracer, const Volume& volume, std::span<const float> clearances,
+                          double enough) {
+    const Lattice lattice = lattice_over(volume, tracer.scene().origin);
+    const Survey survey = look_around(tracer, lattice, clearances.back());
+    const std::vector<std::size_t> seeds = seen_by_probes(tracer, volume, lattice);
+    const std::size_t all = largest_part(lattice, survey, seeds, clearances.back()).size();
+    for (const float clearance : clearances) {
+        std::vector<std::size_t> part = largest_part(lattice, survey, seeds, clearance);
+        if (part.empty() || static_cast<double>(part.size()) < enough * static_cast<double>(all)) continue;
+        std::sort(part.begin(), part.end());
+        return space_of(lattice, survey, part, clearance);
+    }
+    return {};
 }
 
 }  // namespace lightgrid

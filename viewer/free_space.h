@@ -6,6 +6,7 @@
 #include <glm/glm.hpp>
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace lightgrid {
@@ -18,9 +19,9 @@ struct FreeSpace {
         float length = 0;      // metres
     };
     double spacing = 0;                     // between points of the lattice, metres
+    float room = 0;                         // that every point has around it at least, metres
     std::vector<glm::vec3> points;          // relative to Scene::origin
-    std::vector<float> clearance;           // to the nearest surface in some directions, at most most_clearance cells
-    std::vector<float> fronts;              // share of these directions in which there is the front of a surface
+    std::vector<float> clearance;           // see clearance_at(), at most most_clearance cells
     std::vector<std::uint32_t> first_link;  // per point, and one more: its links start there
     std::vector<Link> links;                // both ways
 };
@@ -33,8 +34,13 @@ inline constexpr float most_clearance = 3;  // in units of FreeSpace::spacing
 /// To the nearest surface in 26 directions, at most `most`.
 [[nodiscard]] float clearance_at(const Tracer& tracer, glm::vec3 point, float most);
 
-/// Only the largest connected part is kept, of points that have at least `clearance` cells around them. Empty where no
-/// probe is valid.
-[[nodiscard]] FreeSpace find_free_space(const Tracer& tracer, const Volume& volume, float clearance);
+/// Only the largest connected part is kept.
+///
+/// clearances  in cells, falling: points with less around them are left out, by the first for which `enough` of the
+///             points remain that are left by the last
+/// enough      0 to 1
+/// returns     empty where no probe is valid or there is no room
+[[nodiscard]] FreeSpace find_free_space(const Tracer& tracer, const Volume& volume, std::span<const float> clearances,
+                                        double enough);
 
 }  // namespace lightgrid

@@ -5,7 +5,6 @@
 #include "tools/false_color.h"
 #include "viewer/crowd.h"
 #include "viewer/dominant_light.h"
-#include "viewer/exposure.h"
 #include "viewer/probes_shown.h"
 
 #include <algorithm>
@@ -40,6 +39,7 @@ void Renderer::set_level(const Scene& scene, double longest_edge, const std::vec
     level_.reset();
     level_.emplace(gl_, shaders_, scene, build_level_mesh(scene, longest_edge), outlines);
     origin_ = scene.origin;
+    albedo_ = mean_albedo(scene);
 }
 
 void Renderer::set_volume(std::shared_ptr<const LitVolume> volume) {
@@ -198,7 +198,7 @@ void Renderer::draw_pane(const Frame& frame, const Pane& pane) {
 void Renderer::draw(const Frame& frame, std::span<const Pane> panes, glm::ivec2 size, int samples) {
     target_.resize(size, samples);
     const Settings& first = panes.front().settings;
-    exposure_ = exposure_of(first, look_up_with(first), frame.pose);
+    exposure_ = exposure_of(first, look_up_with(first), frame.pose, albedo_);
     look_ups_ = 0;
     target_.begin();
     for (const Pane& pane : panes) draw_pane(frame, pane);

@@ -8,6 +8,7 @@
 #include "viewer/draw_level.h"
 #include "viewer/draw_lines.h"
 #include "viewer/draw_object.h"
+#include "viewer/exposure.h"
 #include "viewer/picture_target.h"
 
 #include <memory>
@@ -99,6 +100,7 @@ class Renderer {
     std::optional<LevelDrawing> level_;
     std::optional<ObjectDrawing> object_;
     glm::dvec3 origin_{0};
+    float albedo_ = grey_albedo;  // of the level
     BallDrawing balls_;
     LineDrawing lines_;
     Stored as_baked_;

@@ -160,6 +160,16 @@ TEST_F(FlyThrough, WithoutADisplayItTellsOfHeadless) {
     EXPECT_NE(result.err.find("--headless"), std::string::npos) << result.err;
 }
 
+TEST_F(FlyThrough, WhatIsWrongIsToldBeforeAWindowOpens) {
+    bake(cornell, "elsewhere.probes.exr", "--volume 100,100,100,101,101,101");
+    expect_refused("gone.glb", "gone.glb");
+    expect_refused(cornell + " gone.exr", "gone.exr");
+    expect_refused(cornell + " elsewhere.probes.exr", "lies wholly outside of cornell.glb");
+    expect_refused(cornell + " --size 0x54", "0x54");
+    expect_refused(cornell + " --object gone.obj", "gone.obj");
+    expect_refused(cornell + " --shaders gone", "gone");
+}
+
 /// An environment that is red above.
 class EnvironmentAlone : public FlyThrough {
   protected:
@@ -279,6 +289,17 @@ TEST_F(InAWindow, IsFlownResizedPhotographedAndClosed) {
     const RadianceFile light = read_radiance(folder() / "cornell_0001.exr");
     EXPECT_EQ(light.image.width, 320);
     EXPECT_NE(read_whole_file(folder() / "cornell_path_0001.json").find("yaw_deg"), std::string::npos);
+}
+
+TEST_F(InAWindow, ABrokenShaderIsRefusedByFileAndLine) {
+    if (shell("command -v xvfb-run").status != 0) GTEST_SKIP() << "xvfb-run is not installed";
+    bake(cornell, "cornell.probes.exr");
+    fs::create_directory(folder() / "shaders");
+    write("shaders/level.frag", "#version 330 core\n// two\nout vec4 color;\nvoid main() { color = nonsense; }\n");
+    const Result result = shell(fmt::format("timeout 60 xvfb-run -a {} {} cornell.probes.exr --shaders shaders 2>&1",
+                                            FLY_THROUGH_PROGRAM, cornell));
+    EXPECT_EQ(result.status, 2) << result.out;
+    EXPECT_NE(result.out.find("level.frag:4:"), std::string::npos) << result.out;
 }
 
 TEST_F(InAWindow, ThePanelStandsBesideThePictureAndTabHidesIt) {

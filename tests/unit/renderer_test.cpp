@@ -128,6 +128,27 @@ TEST_F(Picture, TheNearerOfTwoPanesIsDrawnOverTheFarther) {
     expect_light(draw(), glm::vec3(2, 1, 0) + 0.25F * sky);
 }
 
+TEST_F(Picture, TrianglesOfOneMeshThatBlendsAreDrawnFromTheFarthestOn) {
+    Material pane;
+    pane.alpha_mode = AlphaMode::blend;
+    pane.alpha = 0.5F;
+    const int material = add_material(scene_, pane);
+    // In the order in which they are stored the nearer come first, in the mesh and among its places.
+    const int mesh = store_mesh(
+        scene_, material,
+        {{-4, -4, -2}, {4, -4, -2}, {4, 4, -2}, {-4, 4, -2}, {-4, -4, -3}, {4, -4, -3}, {4, 4, -3}, {-4, 4, -3}},
+        {{0, 1, 2}, {0, 2, 3}, {4, 5, 6}, {4, 6, 7}});
+    for (int i = 0; i < 8; ++i) {
+        scene_.meshes[static_cast<std::size_t>(mesh)].colors.push_back(i < 4 ? glm::u16vec4(65535, 0, 0, 65535)
+                                                                             : glm::u16vec4(0, 65535, 0, 65535));
+    }
+    add_instance(scene_, mesh, glm::mat4x3(1));
+    add_instance(scene_, mesh, glm::mat4x3(1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, -2));
+    const glm::vec3 red = light * glm::vec3(1, 0, 0);
+    const glm::vec3 green = light * glm::vec3(0, 1, 0);
+    expect_light(draw(), 0.5F * red + 0.25F * green + 0.125F * red + 0.0625F * green + 0.0625F * sky);
+}
+
 TEST_F(Picture, MaskCutsAwayWhatIsBelowItsCutoff) {
     Material leaf;
     leaf.base_color = glm::vec3(0.5F);
@@ -206,6 +227,22 @@ TEST_F(Picture, SeveralSamplesAPixelSmoothEdges) {
     };
     EXPECT_EQ(differing(1), 0);
     EXPECT_EQ(differing(4), 1);
+}
+
+TEST_F(Picture, ExposureIsForTheAlbedoOfALightLevel) {
+    static_cast<void>(draw());
+    const float grey = renderer_.exposure();
+    add_wall(add_grey(scene_, 0.2F));
+    static_cast<void>(draw());
+    EXPECT_FLOAT_EQ(renderer_.exposure(), grey) << "what is dark is not lightened";
+    // As much of it again, in an instance of twice the size: (0.2 + 4 x 0.9) / 5.
+    const int model = static_cast<int>(scene_.models.size());
+    const int mesh = add_wall(add_grey(scene_, 0.9F));
+    std::erase(scene_.placed, mesh);
+    scene_.models.push_back({{mesh}});
+    scene_.instances.push_back({model, glm::mat4x3(2)});
+    static_cast<void>(draw());
+    EXPECT_NEAR(renderer_.exposure(), grey * std::sqrt(0.5F / 0.76F), 1e-5F * grey);
 }
 
 TEST_F(Picture, ExposureIsForTheLightAround) {
