@@ -36,15 +36,11 @@ BlendOrder farthest_first(const LevelMesh& mesh, std::span<const std::size_t> dr
     std::vector<LevelDraw> seen;
     std::size_t triangles = 0;
     for (const std::size_t i : draws) {
-        LevelDraw draw = mesh.draws[i];
+        const LevelDraw& draw = mesh.draws[i];
         if (eye.misses(draw.bounds)) continue;
-        const int places = std::exchange(draw.instance_count, 1);
-        for (int place = 0; place < places; ++place) {
-            seen.push_back(draw);
-            triangles += draw.index_count / 3;
-            ++draw.first_instance;
-            draw.first_light += draw.light_stride;
-        }
+        const std::vector<LevelDraw> places = in_each_place(draw);
+        seen.insert(seen.end(), places.begin(), places.end());
+        triangles += places.size() * draw.index_count / 3;
     }
     const bool by_triangle = triangles <= most_sorted_triangles;
 

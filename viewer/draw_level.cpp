@@ -16,6 +16,12 @@ void bind(const Gl& gl, int unit, GLenum target, GLuint texture) {
     gl.BindTexture(target, texture);
 }
 
+std::vector<const LevelDraw*> pointers_to(std::span<const LevelDraw> draws) {
+    std::vector<const LevelDraw*> pointers;
+    for (const LevelDraw& draw : draws) pointers.push_back(&draw);
+    return pointers;
+}
+
 enum Unit : int { base_color_unit, emission_unit, transmission_unit, instances_unit, light_unit, volume_unit };
 
 }  // namespace
@@ -29,7 +35,7 @@ LevelDrawing::LevelDrawing(const Gl& gl, const ShaderSources& shaders, const Sce
       vertex_array_(make_vertex_array(gl)),
       vertices_(make_buffer(gl)),
       indices_(make_buffer(gl)),
-      blended_indices_(make_buffer(gl)) {
+      streamed_indices_(make_buffer(gl)) {
     for (const Material& material : scene.materials) {
         Surface surface;
         surface.material = material;
@@ -169,34 +175,44 @@ void LevelDrawing::draw(const Program& program, std::span<const LevelDraw* const
     gl_.BindVertexArray(0);
 }
 
+void LevelDrawing::stream(std::span<const std::uint32_t> indices) const {
+    gl_.BindVertexArray(vertex_array_.name());
+    gl_.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, streamed_indices_.name());
+    gl_.BufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(indices.size_bytes()), indices.data(),
+                   GL_STREAM_DRAW);
+}
+
 void LevelDrawing::draw_opaque(const Eye& eye, const Light& light) {
     for (const auto& [shader, draws] :
          {std::pair(Shader::opaque, &opaque_), std::pair(Shader::see_through, &cut_out_)}) {
-        // Most of a level is out of the shadow's reach and spared its cost.
-        std::vector<const LevelDraw*> shaded;
+        std::vector<const LevelDraw*> reached;
         std::vector<const LevelDraw*> others;
         for (const std::size_t i : *draws) {
-            const bool reached = light.shadow && light.shadow->reaches(mesh_.draws[i].bounds);
-            (reached ? shaded : others).push_back(&mesh_.draws[i]);
+            const LevelDraw& next = mesh_.draws[i];
+            if (eye.misses(next.bounds)) continue;
+            (light.shadow && light.shadow->reaches(next.bounds) ? reached : others).push_back(&next);
+        }
+        // Most of a level is spared the shadow's cost. What is near the object is rather in front of the rest: it comes
+        // first, so that less is drawn twice.
+        if (!reached.empty()) {
+            const ShadowSplit split = split_by_shadow(mesh_, reached, *light.shadow);
+            stream(split.indices);
+            draw(program(shader, light, true), pointers_to(split.shaded), streamed_indices_, eye, light);
+            draw(program(shader, light, false), pointers_to(split.others), streamed_indices_, eye, light);
         }
         if (!others.empty()) draw(program(shader, light, false), others, indices_, eye, light);
-        if (!shaded.empty()) draw(program(shader, light, true), shaded, indices_, eye, light);
     }
 }
 
 void LevelDrawing::draw_blended(const Eye& eye, const Light& light) {
     const BlendOrder order = farthest_first(mesh_, blended_, eye);
     if (order.draws.empty()) return;
-    std::vector<const LevelDraw*> draws;
-    for (const LevelDraw& next : order.draws) draws.push_back(&next);
-    gl_.BindVertexArray(vertex_array_.name());
-    gl_.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, blended_indices_.name());
-    gl_.BufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(order.indices.size() * sizeof(std::uint32_t)),
-                   order.indices.data(), GL_STREAM_DRAW);
+    stream(order.indices);
     gl_.Enable(GL_BLEND);
     gl_.BlendFunc(GL_ONE, GL_SRC1_COLOR);
     gl_.DepthMask(GL_FALSE);
-    draw(program(Shader::see_through, light, light.shadow.has_value()), draws, blended_indices_, eye, light);
+    draw(program(Shader::see_through, light, light.shadow.has_value()), pointers_to(order.draws), streamed_indices_,
+         eye, light);
     gl_.DepthMask(GL_TRUE);
     gl_.Disable(GL_BLEND);
 }

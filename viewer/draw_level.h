@@ -65,6 +65,8 @@ class LevelDrawing {
     [[nodiscard]] const Program& program(Shader shader, const Light& light, bool with_shadow);
     void draw(const Program& program, std::span<const LevelDraw* const> draws, const Buffer& indices, const Eye& eye,
               const Light& light) const;
+    /// Puts indices where draw() may read them from.
+    void stream(std::span<const std::uint32_t> indices) const;
     void set_eye(const Uniforms& uniforms, const Eye& eye, const Light& light) const;
     void set_material(const Uniforms& uniforms, const Surface& surface, float exposure) const;
 
@@ -79,7 +81,7 @@ class LevelDrawing {
     VertexArray vertex_array_;
     Buffer vertices_;
     Buffer indices_;
-    Buffer blended_indices_;  // of the picture that is drawn
+    Buffer streamed_indices_;  // of what is drawn in another order than the mesh's
     TexelBuffer instances_;
 };
 

@@ -242,6 +242,17 @@ glm::vec4 light_on(const LookUp& look_up, glm::dvec3 position, glm::vec3 normal)
 
 }  // namespace
 
+std::vector<LevelDraw> in_each_place(const LevelDraw& draw) {
+    std::vector<LevelDraw> places;
+    for (int i = 0; i < draw.instance_count; ++i) {
+        places.push_back(draw);
+        places.back().first_instance += i;
+        places.back().instance_count = 1;
+        places.back().first_light += static_cast<std::uint32_t>(i) * draw.light_stride;
+    }
+    return places;
+}
+
 LevelMesh build_level_mesh(const Scene& scene, double longest_edge, std::uint32_t most_rows) {
     const std::vector<Placing> placings = placings_of(scene);
     std::vector<std::size_t> uses(scene.meshes.size(), 0);

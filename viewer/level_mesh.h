@@ -39,6 +39,9 @@ struct LevelDraw {
     std::uint32_t first_vertex = 0;
 };
 
+/// The same for each place by itself.
+[[nodiscard]] std::vector<LevelDraw> in_each_place(const LevelDraw& draw);
+
 struct LevelMesh {
     std::vector<LevelVertex> vertices;
     std::vector<std::uint32_t> indices;  // three a triangle, into `vertices`
