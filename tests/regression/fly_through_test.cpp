@@ -292,14 +292,20 @@ TEST_F(InAWindow, IsFlownResizedPhotographedAndClosed) {
 }
 
 TEST_F(InAWindow, ABrokenShaderIsRefusedByFileAndLine) {
-    if (shell("command -v xvfb-run").status != 0) GTEST_SKIP() << "xvfb-run is not installed";
     bake(cornell, "cornell.probes.exr");
     fs::create_directory(folder() / "shaders");
     write("shaders/level.frag", "#version 330 core\n// two\nout vec4 color;\nvoid main() { color = nonsense; }\n");
-    const Result result = shell(fmt::format("timeout 60 xvfb-run -a {} {} cornell.probes.exr --shaders shaders 2>&1",
+    const Result result = shell(fmt::format(R"(
+        Xvfb -displayfd 3 -screen 0 640x480x24 3>display >/dev/null 2>&1 &
+        server=$!
+        for i in $(seq 600); do [ -s display ] && break; sleep 0.1; done
+        DISPLAY=:$(cat display) timeout 60 {} {} cornell.probes.exr --shaders shaders
+        status=$?
+        kill $server
+        exit $status)",
                                             FLY_THROUGH_PROGRAM, cornell));
-    EXPECT_EQ(result.status, 2) << result.out;
-    EXPECT_NE(result.out.find("level.frag:4:"), std::string::npos) << result.out;
+    EXPECT_EQ(result.status, 2) << result.err;
+    EXPECT_NE(result.err.find("level.frag:4:"), std::string::npos) << result.err;
 }
 
 TEST_F(InAWindow, ThePanelStandsBesideThePictureAndTabHidesIt) {
