@@ -9,6 +9,7 @@
 #include "viewer/controls.h"
 #include "viewer/crowd.h"
 #include "viewer/headless.h"
+#include "viewer/object_shadow.h"
 #include "viewer/probes_shown.h"
 #include "viewer/renderer.h"
 
@@ -208,6 +209,32 @@ TEST_F(Lit, TheContactShadowFallsAwayFromTheLight) {
         EXPECT_EQ(draw().at(20, 16), light == LevelLight::vertex ? without.at(20, 16) : draw().at(20, 16));
         settings_.show_object = true;
     }
+}
+
+TEST(ObjectShadow, TellsTrianglesApartThatItMayDarken) {
+    Scene scene;
+    add_quad(scene, add_grey(scene, 0.5F), {-3, 0, 3}, {6, 0, 0}, {0, 0, -6});
+    LevelMesh mesh = build_level_mesh(scene, 0.3);
+    ObjectShadow shadow{.center = {0, 1, 0}, .radius = 0.1F, .light = {}};
+    shadow.light.direction = glm::normalize(glm::vec3(0.5F, 1, 0));
+    const LevelDraw* draw = mesh.draws.data();
+    const ShadowSplit split = split_by_shadow(mesh, std::span(&draw, 1), shadow);
+    EXPECT_EQ(split.indices.size(), mesh.indices.size());
+    ASSERT_EQ(split.shaded.size(), 1U);
+    ASSERT_EQ(split.others.size(), 1U);
+    // The shadow's axis meets the floor at (-0.5, 0, 0), 11 radii away, where it is 0.4 m wide to each side; the sky
+    // is hidden no farther than 7 radii, which do not reach the floor.
+    const auto nearest = [&](const LevelDraw& part) {
+        double least = 1e9;
+        for (std::uint32_t i = part.first_index; i < part.first_index + part.index_count; ++i) {
+            least = std::min(
+                least, glm::distance(glm::dvec3(mesh.vertices[split.indices[i]].position), glm::dvec3(-0.5, 0, 0)));
+        }
+        return least;
+    };
+    EXPECT_LT(nearest(split.shaded[0]), 0.3);
+    EXPECT_GT(nearest(split.others[0]), 0.3);
+    EXPECT_LT(split.shaded[0].index_count, split.others[0].index_count / 4);
 }
 
 TEST_F(Lit, FalseColorsAreThoseOfTheScaleWhateverTheToneMap) {
