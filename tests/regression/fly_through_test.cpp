@@ -223,6 +223,16 @@ TEST_F(FlyThrough, SplitScreenShowsBothSidesWithoutADisplay) {
     }
 }
 
+/// Shell: a display that nobody else has, and that goes with the shell. The file that tells its number may be there from
+/// another one.
+constexpr const char* own_display = R"(
+            rm -f display
+            Xvfb -displayfd 3 -screen 0 1280x800x24 3>display >/dev/null 2>&1 &
+            server=$!
+            trap 'kill $server' EXIT
+            for i in $(seq 600); do [ -s display ] && break; sleep 0.1; done
+            export DISPLAY=:$(cat display))";
+
 /// What people do, by xdotool on a display of its own.
 class InAWindow : public FlyThrough {
   protected:
@@ -239,11 +249,7 @@ class InAWindow : public FlyThrough {
                 for i in $(seq 600); do grep -q -- "$1" said && return; sleep 0.1; done
                 cat said >&2; echo "nothing said of $1" >&2; exit 9
             }}
-            Xvfb -displayfd 3 -screen 0 1280x800x24 3>display >/dev/null 2>&1 &
-            server=$!
-            trap 'kill $server' EXIT
-            wait_for display
-            export DISPLAY=:$(cat display)
+            {}
             {} {} 2>said &
             program=$!
             window=$(timeout 60 xdotool search --sync --name 'ms a frame' | head -1)
@@ -253,7 +259,7 @@ class InAWindow : public FlyThrough {
             cat said >&2
             exit $status
             )",
-                                 FLY_THROUGH_PROGRAM, arguments, script));
+                                 own_display, FLY_THROUGH_PROGRAM, arguments, script));
         return shell("bash ./act");
     }
     [[nodiscard]] glm::ivec2 size_of(const std::string& name) const {
@@ -295,14 +301,7 @@ TEST_F(InAWindow, ABrokenShaderIsRefusedByFileAndLine) {
     bake(cornell, "cornell.probes.exr");
     fs::create_directory(folder() / "shaders");
     write("shaders/level.frag", "#version 330 core\n// two\nout vec4 color;\nvoid main() { color = nonsense; }\n");
-    const Result result = shell(fmt::format(R"(
-        Xvfb -displayfd 3 -screen 0 640x480x24 3>display >/dev/null 2>&1 &
-        server=$!
-        for i in $(seq 600); do [ -s display ] && break; sleep 0.1; done
-        DISPLAY=:$(cat display) timeout 60 {} {} cornell.probes.exr --shaders shaders
-        status=$?
-        kill $server
-        exit $status)",
+    const Result result = shell(fmt::format("{}\n timeout 60 {} {} cornell.probes.exr --shaders shaders", own_display,
                                             FLY_THROUGH_PROGRAM, cornell));
     EXPECT_EQ(result.status, 2) << result.err;
     EXPECT_NE(result.err.find("level.frag:4:"), std::string::npos) << result.err;
