@@ -1,13 +1,16 @@
 #include "core/environment.h"
 
 #include "core/error.h"
+#include "core/hash.h"
 #include "core/sampling.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <utility>
 
 namespace lightgrid {
@@ -125,6 +128,20 @@ SunDisc placed(SunDisc sun, double rotation, float scale) {
     return sun;
 }
 
+/// Not 0, which is that of what is uniform.
+std::uint64_t shape_of(const RadianceImage& image, float rotation_deg, const std::optional<SunDisc>& sun) {
+    const std::array<int, 2> size{image.width, image.height};
+    std::uint64_t shape = hash_bytes(std::as_bytes(std::span(size)), 1);
+    shape = hash_bytes(std::as_bytes(std::span(image.pixels)), shape);
+    shape = hash_bytes(std::as_bytes(std::span(&rotation_deg, 1)), shape);
+    if (sun) {
+        const std::array<float, 7> disc{sun->direction.x, sun->direction.y, sun->direction.z, sun->angular_radius,
+                                        sun->radiance.x,  sun->radiance.y,  sun->radiance.z};
+        shape = hash_bytes(std::as_bytes(std::span(disc)), shape);
+    }
+    return shape | 1U;
+}
+
 float mix(float a, float b, float t) {
     return a * (1 - t) + b * t;
 }
@@ -140,6 +157,7 @@ Environment Environment::uniform(glm::vec3 radiance) {
     if (!is_valid(radiance)) throw bad_radiance(radiance, "sky");
     Environment environment;
     environment.uniform_ = radiance;
+    environment.scale_ = radiance;
     return environment;
 }
 
@@ -152,6 +170,7 @@ Environment Environment::from_image(RadianceImage image, float rotation_deg, flo
         throw Error(fmt::format("the intensity is {}", scale), "environment", "It has to be finite and not negative.");
     if (!std::isfinite(rotation_deg))
         throw Error(fmt::format("the rotation is {} degrees", rotation_deg), "environment", "It has to be finite.");
+    const std::uint64_t shape = shape_of(image, rotation_deg, sun);
     for (int y = 0; y < image.height; ++y) {
         for (int x = 0; x < image.width; ++x) {
             glm::vec3& pixel = image.at(x, y);
@@ -167,6 +186,8 @@ Environment Environment::from_image(RadianceImage image, float rotation_deg, flo
         return uniform(image.pixels.front());
 
     Environment environment;
+    environment.shape_ = shape;
+    environment.scale_ = glm::vec3(scale);
     environment.image_ = std::move(image);
     const double image_power = environment.tabulate();
     const double power = image_power + sun_power;

@@ -4,6 +4,7 @@
 
 #include <glm/glm.hpp>
 
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -60,6 +61,10 @@ class Environment {
     /// The same from everywhere: nothing to gain from importance sampling.
     [[nodiscard]] bool is_uniform() const noexcept;
 
+    /// Environments of the same shape differ by a factor, that of their scales: a number that tells all else apart.
+    [[nodiscard]] std::uint64_t shape() const noexcept { return shape_; }
+    [[nodiscard]] glm::vec3 scale() const noexcept { return scale_; }
+
     /// direction  unit length to 1e-4
     [[nodiscard]] glm::vec3 radiance(glm::vec3 direction) const noexcept;
 
@@ -102,6 +107,8 @@ class Environment {
     [[nodiscard]] glm::vec3 sun_direction(glm::vec2 u) const noexcept;
     [[nodiscard]] bool in_sun(glm::vec3 direction) const noexcept;
 
+    std::uint64_t shape_ = 0;
+    glm::vec3 scale_{0};
     glm::vec3 uniform_{0};  // meaningful where there is no image
     RadianceImage image_;
     std::vector<CellRow> rows_;                 // height + 1

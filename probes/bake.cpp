@@ -80,10 +80,24 @@ class Bake {
     BakeResult run() {
         trace_reference();
         solve_surfaces();
-        gather();
+        if (surfaces_) {
+            gather_to_keep();
+        } else {
+            gather();
+        }
         finish();
         measure();
         judge(result_, options_);
+        describe();
+        return std::move(result_);
+    }
+
+    BakeResult run_from(const KeptTransport& kept) {
+        result_.no_error_because =
+            "solved with kept transport: no path was traced, only the noise at the probes is known";
+        result_.from_kept = true;
+        light_from(kept);
+        finish();
         describe();
         return std::move(result_);
     }
@@ -139,7 +153,12 @@ class Bake {
     void solve_surfaces(const CacheOptions& cache_options) {
         const Stopwatch watch;
         tell({"cache"});
-        cache_ = build_surface_cache(paths_, plan_.points, cache_options);
+        Surfaces surfaces = find_surfaces(paths_, plan_.points, cache_options);
+        if (options_.keep_transport) {
+            surfaces_ = surfaces;
+            kept_options_ = cache_options;
+        }
+        cache_ = light_surfaces(std::move(surfaces), cache_options);
         result_.method = Method::cache;
         result_.cache = cache_->made();
         add_stage("cache", watch.seconds(), result_.cache->counts);
@@ -159,6 +178,7 @@ class Bake {
 
     void leave_out_cache(const std::string& why) {
         cache_.reset();
+        surfaces_.reset();
         held_out_.bias.reset();
         result_.cache.reset();
         result_.method = Method::path;
@@ -230,6 +250,31 @@ class Bake {
         add_stage("gather", watch.seconds(), counts);
     }
 
+    /// In place of gathering with the cache: what is traced is kept, and lit as it will be again.
+    void gather_to_keep() {
+        Stopwatch watch;
+        tell({"gather"});
+        PathCounts counts;
+        result_.kept = trace_transport(paths_, plan_, std::move(*surfaces_), kept_options_, options_.seed, counts);
+        add_stage("gather", watch.lap(), counts);
+        light_from(*result_.kept);
+        if (held_out_.points.empty()) return;
+        const ErrorPart total = measure_error(result_.volume, held_out_).total;
+        result_.curve.push_back({result_.stages.back().seconds + result_.stages[result_.stages.size() - 2].seconds,
+                                 plan_.samples, counts.rays + counts.shadow_rays, total.relrmse, total.interval});
+    }
+
+    void light_from(const KeptTransport& kept) {
+        const Stopwatch watch;
+        tell({"light"});
+        const KeptLight light = light_probes(kept, paths_.tracer(), paths_.environment(), result_.volume);
+        result_.method = Method::cache;
+        result_.cache = light.made;
+        result_.replicates = GatherOptions{}.replicates;
+        result_.noise = noise_at_probes(result_.volume, plan_.batches);
+        add_stage("light", watch.seconds(), light.made.counts);
+    }
+
     [[nodiscard]] std::uint64_t rays_gathered() const {
         std::uint64_t rays = 0;
         for (const GatherSums& sums : sums_) rays += sums.counts().rays + sums.counts().shadow_rays;
@@ -282,7 +327,9 @@ class Bake {
     BakeResult result_;
     HeldOut held_out_;
     std::optional<SurfaceCache> cache_;
-    std::vector<GatherSums> sums_;  // by batch
+    std::optional<Surfaces> surfaces_;  // it is of, where transport is to be kept
+    CacheOptions kept_options_;         // of these
+    std::vector<GatherSums> sums_;      // by batch
     std::optional<Volume> unrounded_;
 };
 
@@ -291,6 +338,11 @@ class Bake {
 BakeResult run_bake(const PathTracer& paths, const BakePlan& plan, const BakeOptions& options,
                     const Progress& progress) {
     return Bake(paths, plan, options, progress).run();
+}
+
+BakeResult bake_from(const KeptTransport& kept, const PathTracer& paths, const BakePlan& plan,
+                     const BakeOptions& options, const Progress& progress) {
+    return Bake(paths, plan, options, progress).run_from(kept);
 }
 
 }  // namespace lightgrid

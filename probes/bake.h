@@ -2,6 +2,7 @@
 
 #include "core/stopwatch.h"
 #include "probes/error_report.h"
+#include "probes/kept_transport.h"
 #include "probes/look_ups.h"
 #include "probes/paths.h"
 #include "probes/placement.h"
@@ -36,6 +37,7 @@ struct BakeOptions {
     std::uint64_t seed = 0;
     bool measure_error = true;      // trace held-out points and report the error, at about a quarter of the cost
     bool compare_look_ups = false;  // where the error is measured: also with fewer bands, nearest probe, half and float
+    bool keep_transport = false;    // with the cache, and no time budget: see BakeResult::kept
     std::string environment;        // for the header: what lit the level besides its own lights
 };
 
@@ -104,6 +106,8 @@ struct BakeResult {
     std::vector<Stage> stages;
     Method method = Method::path;  // paths too where no cache that was tried was good enough
     std::optional<CacheMade> cache;
+    bool from_kept = false;             // by bake_from
+    std::optional<KeptTransport> kept;  // where asked for, and where there was a cache; its fingerprint is the caller's
     PathCounts counts;
     std::size_t filled = 0;
 };
@@ -123,5 +127,12 @@ void set_samples(BakePlan& plan, std::uint32_t samples);
 [[nodiscard]] BakePlan plan_bake(const PathTracer& paths, const BakeOptions& options, const Progress& progress = {});
 [[nodiscard]] BakeResult run_bake(const PathTracer& paths, const BakePlan& plan, const BakeOptions& options,
                                   const Progress& progress = {});
+
+/// The bake of a level whose lights have changed since its transport was traced. What is not known without paths is not
+/// in the result: errors but the noise.
+///
+/// plan  plan_of(kept)
+[[nodiscard]] BakeResult bake_from(const KeptTransport& kept, const PathTracer& paths, const BakePlan& plan,
+                                   const BakeOptions& options, const Progress& progress = {});
 
 }  // namespace lightgrid

@@ -39,9 +39,9 @@ CacheBias measure_bias(const PathTracer& paths, const SurfaceCache& cache, std::
         for (std::uint32_t i = 0; i < options.samples; ++i) {
             const glm::vec3 direction = rotation * even[i];
             met.clear();
-            static_cast<void>(
-                paths.look_along({points[point], {}}, points[point], direction, 0, cache.sky(), met, counts[task]));
+            paths.look_along({points[point], {}}, points[point], direction, 0, cache.sky(), {}, met, counts[task]);
             for (std::size_t k = 0; k < met.size(); ++k) {
+                if (!met[k].hit.found()) continue;
                 const glm::vec3* known =
                     cache.look_up(paths.tracer(), met[k].hit, points[point], direction, counts[task]);
                 if (known == nullptr) continue;  // gathers follow a path there

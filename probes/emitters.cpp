@@ -70,7 +70,7 @@ std::array<double, 9> corner_key(const Tracer::Corners& t) {
 
 }  // namespace
 
-Emitters::Emitters(const Tracer& tracer) : tracer_(&tracer) {
+Emitters::Emitters(const Tracer& tracer, const LightSources& sources) : tracer_(&tracer) {
     const Scene& scene = tracer.scene();
     std::vector<double> power;
     const auto add = [&](const std::vector<int>& meshes, std::uint32_t instance) {
@@ -78,7 +78,7 @@ Emitters::Emitters(const Tracer& tracer) : tracer_(&tracer) {
         for (std::uint32_t geometry = 0; geometry < meshes.size(); ++geometry) {
             const Mesh& mesh = scene.meshes[meshes[geometry]];
             const Material& material = scene.materials[mesh.material];
-            if (!material.emits()) continue;
+            if (!material.emits() || sources.material(mesh.material) == LightSources::off) continue;
             first[geometry] = static_cast<std::uint32_t>(triangles_.size());
             for (std::uint32_t triangle = 0; triangle < mesh.triangles.size(); ++triangle) {
                 const SurfaceId id{instance, geometry, triangle};

@@ -3,6 +3,7 @@
 #include "core/sampling.h"
 #include "core/tracer.h"
 #include "probes/emitter_tree.h"
+#include "probes/light_sources.h"
 
 #include <glm/glm.hpp>
 
@@ -25,7 +26,8 @@ class Emitters {
         float pdf = 0;          // per steradian at the receiver
     };
 
-    explicit Emitters(const Tracer& tracer);
+    /// sources  materials that are off there do not emit
+    explicit Emitters(const Tracer& tracer, const LightSources& sources = {});
 
     [[nodiscard]] bool empty() const noexcept { return tree_.empty(); }
     [[nodiscard]] std::size_t size() const noexcept { return triangles_.size(); }

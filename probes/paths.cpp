@@ -86,13 +86,13 @@ class PathTracer::Dimensions {
     RandomStream tail_;
 };
 
-PathTracer::PathTracer(const Tracer& tracer, const Environment& environment)
-    : tracer_(&tracer), environment_(&environment), emitters_(tracer) {
+PathTracer::PathTracer(const Tracer& tracer, const Environment& environment, LightSources sources)
+    : tracer_(&tracer), environment_(&environment), sources_(std::move(sources)), emitters_(tracer, sources_) {
     const Scene& scene = tracer.scene();
     use_.emitters = !emitters_.empty();
-    use_.sky = !environment.is_black();
+    use_.sky = !environment.is_black() && sources_.of_sky != LightSources::off;
     use_.environment = use_.sky && !environment.is_uniform();
-    use_.lights = !scene.lights.empty();
+    for (std::size_t i = 0; i < scene.lights.size(); ++i) use_.lights |= sources_.light(i) != LightSources::off;
     use_.reflection = std::any_of(scene.meshes.begin(), scene.meshes.end(), [&](const Mesh& mesh) {
         return scene.materials[mesh.material].base_color != glm::vec3(0);
     });
@@ -147,8 +147,8 @@ LightSample PathTracer::from_emitters(const Vertex& vertex, Dimensions& dimensio
     const glm::vec3 origin = vertex.origin(direction);
     ++counts.shadow_rays;
     const glm::vec3 passed = tracer_->transmittance(origin, emitter.position - origin, 1);
-    return {direction,
-            passed * emitter.radiance * (response / (emitter.pdf + rays_per_sample * vertex.pdf(direction)))};
+    return {direction, passed * emitter.radiance * (response / (emitter.pdf + rays_per_sample * vertex.pdf(direction))),
+            sources_.material(tracer_->mesh(emitter.id).material)};
 }
 
 LightSample PathTracer::from_sky(const Vertex& vertex, const SkyLight::Sample& sample, PathCounts& counts) const {
@@ -156,7 +156,7 @@ LightSample PathTracer::from_sky(const Vertex& vertex, const SkyLight::Sample& s
     if (!(response > 0) || sample.radiance == glm::vec3(0)) return {};
     ++counts.shadow_rays;
     const glm::vec3 passed = tracer_->transmittance(vertex.origin(sample.direction), sample.direction, infinity);
-    return {sample.direction, passed * sample.radiance * response};
+    return {sample.direction, passed * sample.radiance * response, sources_.of_sky};
 }
 
 LightSample PathTracer::from_environment(const Vertex& vertex, Dimensions& dimensions, PathCounts& counts) const {
@@ -167,13 +167,14 @@ LightSample PathTracer::from_environment(const Vertex& vertex, Dimensions& dimen
     if (!(response > 0)) return {};
     ++counts.shadow_rays;
     const glm::vec3 passed = tracer_->transmittance(vertex.origin(sky.direction), sky.direction, infinity);
-    return {sky.direction, passed * sky.radiance * (response / (sky.pdf + vertex.pdf(sky.direction)))};
+    return {sky.direction, passed * sky.radiance * (response / (sky.pdf + vertex.pdf(sky.direction))), sources_.of_sky};
 }
 
 LightSample PathTracer::from_lights(const Vertex& vertex, Dimensions& dimensions, PathCounts& counts) const {
     const std::vector<Light>& lights = tracer_->scene().lights;
     // One light, picked in proportion to what it would bring if nothing were in the way.
     const auto brings = [&](const Light& light) {
+        if (sources_.light(static_cast<std::size_t>(&light - lights.data())) == LightSources::off) return 0.0F;
         const PunctualLight arriving = punctual_light_at(light, vertex.position);
         return luminance(arriving.irradiance) * vertex.response(arriving.direction);
     };
@@ -195,7 +196,8 @@ LightSample PathTracer::from_lights(const Vertex& vertex, Dimensions& dimensions
     ++counts.shadow_rays;
     const glm::vec3 passed =
         tracer_->transmittance(vertex.origin(arriving.direction), arriving.direction, arriving.free_distance);
-    return {arriving.direction, passed * arriving.irradiance * (vertex.response(arriving.direction) * sum / share)};
+    return {arriving.direction, passed * arriving.irradiance * (vertex.response(arriving.direction) * sum / share),
+            sources_.light(static_cast<std::size_t>(picked - lights.data()))};
 }
 
 glm::vec3 PathTracer::sky_along(glm::vec3 share, glm::vec3 direction, float pdf) const {
@@ -212,36 +214,42 @@ glm::vec3 PathTracer::emission_of(glm::vec3 share, const Hit& hit, const Surface
     return share * point.alpha * point.emission * (pdf / (pdf + other));
 }
 
-glm::vec3 PathTracer::look_along(const Receiver& from, glm::vec3 origin, glm::vec3 direction, float samples_per_ray,
-                                 const SkyLight& sky, std::vector<Met>& met, PathCounts& counts) const {
+void PathTracer::look_along(const Receiver& from, glm::vec3 origin, glm::vec3 direction, float samples_per_ray,
+                            const SkyLight& sky, std::span<glm::vec3> light, std::vector<Met>& met,
+                            PathCounts& counts) const {
     const bool on_surface = from.normal != glm::vec3(0);
     const float pdf =
         on_surface ? std::max(0.0F, glm::dot(from.normal, direction)) * glm::one_over_pi<float>() : uniform_sphere_pdf;
-    glm::vec3 light(0);
     Met now;
     for (;;) {
         ++counts.rays;
         now.hit = tracer_->closest_hit(origin, direction, infinity, now.hit);
-        if (!now.hit.found()) return light + now.share * sky.along(direction);
         met.push_back(now);
-        if (only_reflects(now.hit)) return light;
+        if (!now.hit.found()) {
+            if (use_.sky && !light.empty()) light[sources_.of_sky] += now.share * sky.along(direction);
+            return;
+        }
+        if (only_reflects(now.hit)) return;
         const Surface surface = tracer_->surface(now.hit, direction);
         const SurfacePoint point =
             surface_at(tracer_->scene(), *surface.mesh, now.hit.id.triangle, now.hit.barycentric);
-        light += emission_of(now.share, now.hit, surface, point, from, pdf, samples_per_ray);
+        const std::uint32_t source = sources_.material(surface.mesh->material);
+        if (!light.empty() && source != LightSources::off) {
+            light[source] += emission_of(now.share, now.hit, surface, point, from, pdf, samples_per_ray);
+        }
         now.share *= passed_share(point);
-        if (largest(now.share) < least_share) return light;
+        if (largest(now.share) < least_share) return;
     }
 }
 
-glm::vec3 PathTracer::direct_light(const Surface& surface, glm::vec3 normal, std::uint64_t key, std::uint32_t i,
-                                   std::uint32_t count, float rays_per_sample, const SkyLight& sky,
-                                   PathCounts& counts) const {
+void PathTracer::direct_light(const Surface& surface, glm::vec3 normal, std::uint64_t key, std::uint32_t i,
+                              std::uint32_t count, float rays_per_sample, const SkyLight& sky,
+                              std::span<glm::vec3> light, PathCounts& counts) const {
     const Vertex vertex{surface.position, &surface, normal};
-    glm::vec3 sum(0);
-    const auto add_finite = [&](glm::vec3 light) {
-        if (is_finite(light)) {
-            sum += light;
+    const float share = 1 / static_cast<float>(count);
+    const auto add_finite = [&](const LightSample& sample) {
+        if (is_finite(sample.radiance)) {
+            light[sample.source] += share * sample.radiance;
         } else {
             ++counts.dropped;
         }
@@ -249,16 +257,15 @@ glm::vec3 PathTracer::direct_light(const Surface& surface, glm::vec3 normal, std
     if (use_.emitters || use_.lights) {
         for (std::uint32_t k = i * count; k < (i + 1) * count; ++k) {
             Dimensions dimensions(key, k);
-            if (use_.emitters) add_finite(from_emitters(vertex, dimensions, counts, rays_per_sample).radiance);
-            if (use_.lights) add_finite(from_lights(vertex, dimensions, counts).radiance);
+            if (use_.emitters) add_finite(from_emitters(vertex, dimensions, counts, rays_per_sample));
+            if (use_.lights) add_finite(from_lights(vertex, dimensions, counts));
         }
     }
-    if (sky.has_samples()) {
+    if (use_.sky && sky.has_samples()) {
         for (const SkyLight::Sample& sample : sky.samples(key + i, count)) {
-            add_finite(from_sky(vertex, sample, counts).radiance);
+            add_finite(from_sky(vertex, sample, counts));
         }
     }
-    return sum / static_cast<float>(count);
 }
 
 glm::vec3 PathTracer::reflected_radiance(const Hit& hit, glm::vec3 direction, std::uint64_t key, std::uint32_t i,
@@ -362,23 +369,12 @@ void PathTracer::gather(glm::vec3 point, std::uint64_t key, std::span<const glm:
 
 void PathTracer::gather_cached(glm::vec3 point, std::uint64_t key, std::span<const glm::vec3> even,
                                std::vector<LightSample>& out, PathCounts& counts, const GatherRays& rays) const {
-    const Vertex probe{point, nullptr, {}};
     const SkyLight& sky = rays.cache->sky();
     const auto count = static_cast<std::uint32_t>(even.size());
-    const std::uint64_t lights_key = mix_bits(key, lighting);  // so that these are stratified by themselves
     const std::uint32_t emitter_samples = std::max(1U, count / rays.rays_per_emitter_sample);
     const float emitter_samples_per_ray = static_cast<float>(emitter_samples) / static_cast<float>(count);
-    for (std::uint32_t i = 0; i < emitter_samples && use_.emitters; ++i) {
-        Dimensions dimensions(lights_key, i);
-        add(from_emitters(probe, dimensions, counts, 1 / emitter_samples_per_ray),
-            1 / static_cast<float>(emitter_samples), out, counts);
-    }
-    if (sky.has_samples()) {
-        const std::uint32_t sky_samples = std::max(1U, count / rays.rays_per_sky_sample);
-        for (const SkyLight::Sample& sample : sky.samples(lights_key, sky_samples)) {
-            add(from_sky(probe, sample, counts), 1 / static_cast<float>(sky_samples), out, counts);
-        }
-    }
+    gather_lights(point, key, emitter_samples, 1 / emitter_samples_per_ray, sky,
+                  std::max(1U, count / rays.rays_per_sky_sample), out, counts);
 
     // Step by step for all rays, because what is read at random places of memory is then waited for together.
     const float share = 1 / (static_cast<float>(count) * uniform_sphere_pdf);
@@ -411,13 +407,32 @@ void PathTracer::gather_cached(glm::vec3 point, std::uint64_t key, std::span<con
     }
 }
 
+void PathTracer::gather_lights(glm::vec3 point, std::uint64_t key, std::uint32_t emitter_samples,
+                               float rays_per_emitter_sample, const SkyLight& sky, std::uint32_t sky_samples,
+                               std::vector<LightSample>& out, PathCounts& counts) const {
+    const Vertex probe{point, nullptr, {}};
+    const std::uint64_t lights_key = mix_bits(key, lighting);  // so that these are stratified by themselves
+    for (std::uint32_t i = 0; i < emitter_samples && use_.emitters; ++i) {
+        Dimensions dimensions(lights_key, i);
+        add(from_emitters(probe, dimensions, counts, rays_per_emitter_sample), 1 / static_cast<float>(emitter_samples),
+            out, counts);
+    }
+    if (!use_.sky || !sky.has_samples()) return;
+    for (const SkyLight::Sample& sample : sky.samples(lights_key, sky_samples)) {
+        add(from_sky(probe, sample, counts), 1 / static_cast<float>(sky_samples), out, counts);
+    }
+}
+
 void PathTracer::gather_punctual(glm::vec3 point, std::vector<LightSample>& out, PathCounts& counts) const {
-    for (const Light& light : tracer_->scene().lights) {
-        const PunctualLight arriving = punctual_light_at(light, point);
+    const std::vector<Light>& lights = tracer_->scene().lights;
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        if (sources_.light(i) == LightSources::off) continue;
+        const PunctualLight arriving = punctual_light_at(lights[i], point);
         if (arriving.irradiance == glm::vec3(0)) continue;
         ++counts.shadow_rays;
         const glm::vec3 passed = tracer_->transmittance(point, arriving.direction, arriving.free_distance);
-        if (passed != glm::vec3(0)) out.push_back({arriving.direction, passed * arriving.irradiance});
+        if (passed != glm::vec3(0))
+            out.push_back({arriving.direction, passed * arriving.irradiance, sources_.light(i)});
     }
 }
 

@@ -4,6 +4,7 @@
 #include "core/sampling.h"
 #include "core/tracer.h"
 #include "probes/emitters.h"
+#include "probes/light_sources.h"
 #include "probes/sky_light.h"
 
 #include <glm/glm.hpp>
@@ -20,8 +21,9 @@ class SurfaceCache;
 /// A part of the light at a point: an integral of radiance times f over all directions is the sum of radiance *
 /// f(direction) over the samples of a gather; `radiance` has been divided by density and sample count.
 struct LightSample {
-    glm::vec3 direction{0};  // towards where the light comes from, unit length
-    glm::vec3 radiance{0};   // cd/m^2 sr
+    glm::vec3 direction{0};    // towards where the light comes from, unit length
+    glm::vec3 radiance{0};     // cd/m^2 sr
+    std::uint32_t source = 0;  // of samples that were aimed at a light; 0 where a ray found it
 };
 
 struct PathCounts {
@@ -59,7 +61,8 @@ struct GatherRays {
     std::uint32_t rays_per_sky_sample = 1;
 };
 
-/// A surface that a ray met, and the share of light from there that what the ray has passed before lets through.
+/// A surface that a ray met, or the sky (no hit was found), and the share of light from there that what the ray has
+/// passed before lets through.
 struct Met {
     Hit hit;
     glm::vec3 share{1};
@@ -67,13 +70,14 @@ struct Met {
 
 class PathTracer {
   public:
-    /// Keeps references to both; they must outlive it.
-    PathTracer(const Tracer& tracer, const Environment& environment);
+    /// Keeps references to tracer and environment; they must outlive it.
+    PathTracer(const Tracer& tracer, const Environment& environment, LightSources sources = {});
 
     [[nodiscard]] const Tracer& tracer() const noexcept { return *tracer_; }
     [[nodiscard]] const Environment& environment() const noexcept { return *environment_; }
     [[nodiscard]] const Estimators& estimators() const noexcept { return use_; }
     [[nodiscard]] const Emitters& emitters() const noexcept { return emitters_; }
+    [[nodiscard]] const LightSources& sources() const noexcept { return sources_; }
 
     /// All light that arrives at `point` (relative to Scene::origin) but that which comes straight from punctual
     /// lights, by gather rays along `even`, each continued as a path, and by samples of emitters and environment.
@@ -84,27 +88,34 @@ class PathTracer {
     void gather(glm::vec3 point, std::uint64_t key, std::span<const glm::vec3> even, std::vector<LightSample>& out,
                 PathCounts& counts, const GatherRays& rays = {}) const;
 
+    /// The part of the light at `point` that samples aimed at emitters and sky bring where gather rays read a cache.
+    /// Appended to `out`.
+    ///
+    /// rays_per_emitter_sample  rays of look_along for each sample of emitters, in whose weights they count; 0: none
+    void gather_lights(glm::vec3 point, std::uint64_t key, std::uint32_t emitter_samples, float rays_per_emitter_sample,
+                       const SkyLight& sky, std::uint32_t sky_samples, std::vector<LightSample>& out,
+                       PathCounts& counts) const;
+
     /// Light straight from punctual lights: one shadow ray each, exact. Appended to `out`.
     void gather_punctual(glm::vec3 point, std::vector<LightSample>& out, PathCounts& counts) const;
 
     /// A ray that starts at a probe (normal 0) or on a surface (cosine-weighted about the normal), past surfaces that
-    /// light passes to the first that stops it. Returns the light straight from emitters and sky along it, weighted
-    /// against `samples_per_ray` samples of emitters by direct_light for each such ray.
+    /// light passes to the first that stops it, or to the sky. The light straight from emitters and sky along it,
+    /// weighted against `samples_per_ray` samples of emitters for each such ray, is added to `light`.
     ///
-    /// met  appended to: all surfaces on the way, that reflect or not
-    [[nodiscard]] glm::vec3 look_along(const Receiver& from, glm::vec3 origin, glm::vec3 direction,
-                                       float samples_per_ray, const SkyLight& sky, std::vector<Met>& met,
-                                       PathCounts& counts) const;
+    /// light  by source; empty: nobody asks
+    /// met    appended to: all surfaces on the way, that reflect or not, and the sky
+    void look_along(const Receiver& from, glm::vec3 origin, glm::vec3 direction, float samples_per_ray,
+                    const SkyLight& sky, std::span<glm::vec3> light, std::vector<Met>& met, PathCounts& counts) const;
 
     /// The other part of the light that comes straight to a surface's side: the i-th `count` samples of emitters, sky
-    /// and punctual lights, for `rays_per_sample` cosine-weighted rays of look_along each. Returns the mean radiance
-    /// that a white surface would reflect (irradiance / pi).
+    /// and punctual lights, for `rays_per_sample` cosine-weighted rays of look_along each. The mean radiance that a
+    /// white surface would reflect (irradiance / pi) is added to `light`, by source.
     ///
     /// normal  of the side, unit length
     /// key     picks the random numbers; all samples of one key are stratified together
-    [[nodiscard]] glm::vec3 direct_light(const Surface& surface, glm::vec3 normal, std::uint64_t key, std::uint32_t i,
-                                         std::uint32_t count, float rays_per_sample, const SkyLight& sky,
-                                         PathCounts& counts) const;
+    void direct_light(const Surface& surface, glm::vec3 normal, std::uint64_t key, std::uint32_t i, std::uint32_t count,
+                      float rays_per_sample, const SkyLight& sky, std::span<glm::vec3> light, PathCounts& counts) const;
 
     /// What the side that a ray met reflects towards it, estimated by the i-th path of a key: unbiased, the truth that a
     /// cache is measured against.
@@ -144,6 +155,7 @@ class PathTracer {
 
     const Tracer* tracer_;
     const Environment* environment_;
+    LightSources sources_;
     Emitters emitters_;
     Estimators use_;
     std::vector<char> only_reflects_;  // by material

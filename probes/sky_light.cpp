@@ -33,16 +33,18 @@ glm::vec3 octahedral_direction(glm::vec2 p) {
     return glm::normalize(glm::vec3(xz.x, y, xz.y));
 }
 
+constexpr float ray_pdf = 0.25F * glm::one_over_pi<float>();
+
 }  // namespace
 
-SkyLight::SkyLight(const Environment& environment, float samples_per_ray, std::uint64_t seed) {
-    if (environment.is_black()) return;
+SkyLight SkyLight::of_rays(const Environment& environment, float samples_per_ray) {
+    SkyLight sky;
+    if (environment.is_black()) return sky;
     if (environment.is_uniform()) {
-        texels_ = {environment.radiance({0, 1, 0})};
-        return;
+        sky.texels_ = {environment.radiance({0, 1, 0})};
+        return sky;
     }
-    constexpr float ray_pdf = 0.25F * glm::one_over_pi<float>();
-    texels_.resize(std::size_t{texels_along} * texels_along);
+    sky.texels_.resize(std::size_t{texels_along} * texels_along);
     for_each_index(texels_along, [&](std::size_t row) {
         for (int column = 0; column < texels_along; ++column) {
             glm::vec3 sum(0);
@@ -50,12 +52,18 @@ SkyLight::SkyLight(const Environment& environment, float samples_per_ray, std::u
                 const glm::vec2 inside(i % looks_along, i / looks_along);
                 const glm::vec2 place =
                     (glm::vec2(column, row) + (inside + 0.5F) / float{looks_along}) / float{texels_along};
-                const Environment::Sample sky = environment.look_up(octahedral_direction(2.0F * place - 1.0F));
-                sum += sky.radiance * (ray_pdf / (ray_pdf + samples_per_ray * sky.pdf));
+                const Environment::Sample seen = environment.look_up(octahedral_direction(2.0F * place - 1.0F));
+                sum += seen.radiance * (ray_pdf / (ray_pdf + samples_per_ray * seen.pdf));
             }
-            texels_[row * texels_along + column] = sum / float{looks_along * looks_along};
+            sky.texels_[row * texels_along + column] = sum / float{looks_along * looks_along};
         }
     });
+    return sky;
+}
+
+SkyLight::SkyLight(const Environment& environment, float samples_per_ray, std::uint64_t seed)
+    : SkyLight(of_rays(environment, samples_per_ray)) {
+    if (texels_.size() <= 1) return;
     samples_.resize(samples_drawn);
     constexpr std::uint32_t block = 1024;
     for_each_index(samples_drawn / block, [&](std::size_t task) {

@@ -31,6 +31,9 @@ class SkyLight {
     /// samples_per_ray  > 0; not used where the environment is uniform: there are no samples then
     SkyLight(const Environment& environment, float samples_per_ray, std::uint64_t seed);
 
+    /// What rays bring, without samples.
+    [[nodiscard]] static SkyLight of_rays(const Environment& environment, float samples_per_ray);
+
     /// Radiance times w, averaged over a texel of 1.6 degrees or so.
     [[nodiscard]] const glm::vec3& along(glm::vec3 direction) const noexcept;
 

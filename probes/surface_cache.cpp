@@ -2,7 +2,6 @@
 
 #include "core/parallel.h"
 #include "core/sampling.h"
-#include "probes/transport.h"
 
 #include <algorithm>
 
@@ -30,51 +29,99 @@ struct Unknown {
     glm::vec3 share{1};
 };
 
-/// A patch's sample: a point of it, its albedo, and what light came to it.
-struct PatchSample {
-    glm::vec3 albedo{0};     // reflected share
+/// What light came to a patch's sample from one source.
+struct SampleLight {
     glm::vec3 sampled{0};    // of emitters, environment and punctual lights, as a white surface would reflect it
     glm::vec3 from_rays{0};  // summed over rays
-    std::uint32_t lost_rays = 0;
 };
 
-class CacheBuilder {
+/// Where the rays of a patch's samples go.
+class CarryingRays {
   public:
-    CacheBuilder(const PathTracer& paths, const CacheOptions& options)
-        : paths_(paths),
-          options_(options),
-          patches_(options.width),
-          sky_(paths.environment(), sky_samples_per_ray, mix_bits(options.seed, sky)) {
-        transport_.rays = options.rays_per_sample;
-    }
+    CarryingRays(std::uint64_t seed, std::size_t patch, std::uint32_t rays)
+        : key_(mix_bits(mix_bits(seed, patch), carrying)), rays_(rays) {}
 
-    SurfaceCache build(std::span<const glm::vec3> points) {
-        std::vector<Unknown> unknown = look_around(points);
-        while (!unknown.empty() && made_.generations < most_generations) {
-            const std::size_t first_new = patches_.size();
-            const std::vector<Unknown> chosen = grow(unknown);
-            ++made_.generations;
-            unknown = light_up(first_new, chosen);
-        }
-        for (const Unknown& lost : unknown) ++samples_[lost.sample].lost_rays;
-        complete_transport();
-
-        const TransportSolution solution = solve(transport_, options_.accuracy);
-        made_.width = options_.width;
-        made_.samples = samples_.size();
-        made_.patches = patches_.size();
-        made_.cut_cubes = patches_.cut_cubes();
-        made_.sweeps = solution.sweeps;
-        made_.residual = solution.residual;
-        std::vector<glm::vec3> radiance;
-        radiance.reserve(solution.light.size());
-        for (const glm::dvec3& light : solution.light) radiance.emplace_back(light);
-        return {std::move(patches_), std::move(radiance), std::move(sky_), made_};
+    /// rank  of the sample, in its patch
+    [[nodiscard]] glm::vec3 direction(glm::vec3 normal, std::uint32_t rank, std::uint32_t ray) const {
+        return cosine_direction(normal, sobol_point(rank * rays_ + ray, key_));
     }
 
   private:
+    std::uint64_t key_;
+    std::uint32_t rays_;
+};
+
+glm::vec3 side_normal(const Surface& surface) {
+    return surface.front ? surface.normal : -surface.normal;
+}
+
+class SurfaceFinder {
+  public:
+    SurfaceFinder(const PathTracer& paths, const CacheOptions& options)
+        : paths_(paths),
+          options_(options),
+          sources_(paths.sources().count),
+          patches_(options.width),
+          sky_(paths.estimators().sky ? sky_of_cache(paths.environment(), options) : SkyLight()) {
+        transport_.rays = options.rays_per_sample;
+    }
+
+    /// Goes on with what another has found.
+    SurfaceFinder(const PathTracer& paths, const CacheOptions& options, Surfaces&& found)
+        : paths_(paths),
+          options_(options),
+          sources_(found.direct.size()),
+          patches_(std::move(found.patches)),
+          sky_(std::move(found.sky)),
+          places_(std::move(found.places)),
+          lost_rays_(places_.size()),
+          light_(places_.size() * sources_),
+          transport_(std::move(found.transport)),
+          direct_(std::move(found.direct)),
+          made_(found.made) {
+        transport_.first_sample.pop_back();
+    }
+
+    void look_around(std::span<const glm::vec3> points) { static_cast<void>(find(seen_from(points))); }
+
+    std::vector<std::uint32_t> add(std::span<const SeenPlace> places) {
+        std::vector<Unknown> unknown;
+        unknown.reserve(places.size());
+        for (const SeenPlace& p : places) {
+            unknown.push_back({SurfaceSide(p.hit, p.origin, p.direction), p.hit, p.direction, 0, 0, {}});
+        }
+        return find(std::move(unknown));
+    }
+
+    Surfaces finish() {
+        complete();
+        made_.width = options_.width;
+        made_.samples = places_.size();
+        made_.patches = patches_.size();
+        made_.cut_cubes = patches_.cut_cubes();
+        return {std::move(patches_), std::move(transport_), std::move(places_),
+                std::move(direct_),  std::move(sky_),       made_};
+    }
+
+  private:
+    /// Makes patches for places, and for what lights them; returns those of the places.
+    std::vector<std::uint32_t> find(std::vector<Unknown> unknown) {
+        std::vector<std::uint32_t> of_places;
+        int level = 0;
+        for (; !unknown.empty() && level < most_generations; ++level) {
+            const std::size_t first_new = patches_.size();
+            std::vector<std::uint32_t> patch;
+            const std::vector<Unknown> chosen = grow(unknown, level, patch);
+            if (level == 0) of_places = std::move(patch);
+            unknown = light_up(first_new, chosen);
+        }
+        for (const Unknown& lost : unknown) ++lost_rays_[lost.sample];
+        made_.generations = std::max(made_.generations, level);
+        return of_places;
+    }
+
     /// Everything that a few rays from each point meet. The rays of all points are one low-discrepancy sequence.
-    std::vector<Unknown> look_around(std::span<const glm::vec3> points) {
+    std::vector<Unknown> seen_from(std::span<const glm::vec3> points) {
         std::vector<std::vector<Unknown>> found(points.size());
         std::vector<PathCounts> counts(points.size());
         for_each_index(points.size(), [&](std::size_t i) {
@@ -83,9 +130,10 @@ class CacheBuilder {
                 const auto index = static_cast<std::uint32_t>(i) * options_.rays_per_probe + r;
                 const glm::vec3 direction = sphere_direction(sobol_point(index, mix_bits(options_.seed, finding)));
                 met.clear();
-                static_cast<void>(paths_.look_along({points[i], {}}, points[i], direction, 0, sky_, met, counts[i]));
+                paths_.look_along({points[i], {}}, points[i], direction, 0, sky_, {}, met, counts[i]);
                 for (const Met& m : met) {
-                    found[i].push_back({SurfaceSide(m.hit, points[i], direction), m.hit, direction, 0, 0, {}});
+                    if (m.hit.found())
+                        found[i].push_back({SurfaceSide(m.hit, points[i], direction), m.hit, direction, 0, 0, {}});
                 }
             }
         });
@@ -94,14 +142,15 @@ class CacheBuilder {
 
     /// Makes patches for what is unknown, and tells the rays that went there; returns those that become samples, patch
     /// by patch.
-    std::vector<Unknown> grow(const std::vector<Unknown>& unknown) {
-        const bool first = made_.generations == 0;
+    ///
+    /// patch  set to that of each
+    std::vector<Unknown> grow(const std::vector<Unknown>& unknown, int level, std::vector<std::uint32_t>& patch) {
+        const bool first = level == 0;
         std::vector<SurfaceSide> sides;
         sides.reserve(unknown.size());
         for (const Unknown& u : unknown) sides.push_back(u.side);
         const auto first_new = patches_.size();
-        const std::vector<std::uint32_t> patch =
-            patches_.add(paths_.tracer(), sides, made_.generations, made_.counts.shadow_rays);
+        patch = patches_.add(paths_.tracer(), sides, level, made_.counts.shadow_rays);
 
         // Those of a patch one after the other.
         const std::uint32_t most = first ? static_cast<std::uint32_t>(unknown.size()) : most_unseen_samples;
@@ -109,7 +158,7 @@ class CacheBuilder {
         for (const std::uint32_t p : patch) {
             if (p != SurfacePatches::none) count[p - first_new] = std::min(most, count[p - first_new] + 1);
         }
-        auto next = static_cast<std::uint32_t>(samples_.size());
+        auto next = static_cast<std::uint32_t>(places_.size());
         const std::uint32_t first_sample = next;
         std::vector<std::uint32_t> place;
         for (const std::uint32_t n : count) {
@@ -130,18 +179,20 @@ class CacheBuilder {
         std::vector<Unknown> chosen;
         chosen.reserve(order.size());
         for (const std::uint32_t i : order) chosen.push_back(unknown[i]);
-        samples_.resize(next);
+        places_.resize(next);
+        lost_rays_.resize(next);
+        light_.resize(std::size_t{next} * sources_);
         transport_.landed.resize(std::size_t{next} * transport_.rays, Transport::none);
         return chosen;
     }
 
     void land(const Unknown& u, std::uint32_t patch) {
         if (patch == SurfacePatches::none) {
-            ++samples_[u.sample].lost_rays;
+            ++lost_rays_[u.sample];
         } else if (u.share == glm::vec3(1)) {
             transport_.landed[std::size_t{u.sample} * transport_.rays + u.ray] = patch;
         } else {
-            transport_.passed.push_back({u.sample, patch, u.share});
+            transport_.passed.push_back({u.sample, u.ray, patch, u.share});
         }
     }
 
@@ -156,7 +207,7 @@ class CacheBuilder {
             const std::size_t patch = first_new + i;
             const std::uint32_t begin = transport_.first_sample[patch];
             const std::uint32_t end = patch + 1 < patches_.size() ? transport_.first_sample[patch + 1]
-                                                                  : static_cast<std::uint32_t>(samples_.size());
+                                                                  : static_cast<std::uint32_t>(places_.size());
             for (std::uint32_t s = begin; s < end; ++s) {
                 light_sample(patch, s, s - begin, chosen[s - first_sample], unknown[i], passed[i], counts[i]);
             }
@@ -168,26 +219,36 @@ class CacheBuilder {
     void light_sample(std::size_t patch, std::uint32_t index, std::uint32_t rank, const Unknown& place,
                       std::vector<Unknown>& unknown, std::vector<Transport::PassedRay>& passed, PathCounts& counts) {
         const Tracer& tracer = paths_.tracer();
-        PatchSample& sample = samples_[index];
         const Surface surface = tracer.surface(place.hit, place.direction);
-        sample.albedo =
+        const glm::vec3 albedo =
             reflected_share(surface_at(tracer.scene(), *surface.mesh, place.hit.id.triangle, place.hit.barycentric));
-        if (sample.albedo == glm::vec3(0)) return;
-        const glm::vec3 normal = surface.front ? surface.normal : -surface.normal;
-        const std::uint64_t key = mix_bits(options_.seed, patch);
+        places_[index] = {place.hit, place.direction, albedo};
+        if (albedo == glm::vec3(0)) return;
+        const glm::vec3 normal = side_normal(surface);
         const std::uint32_t lights = options_.light_samples;
         const float rays_per_light = static_cast<float>(transport_.rays) / static_cast<float>(lights);
-        sample.sampled =
-            paths_.direct_light(surface, normal, mix_bits(key, lighting), rank, lights, rays_per_light, sky_, counts);
+        std::vector<glm::vec3> light(sources_);
+        paths_.direct_light(surface, normal, mix_bits(mix_bits(options_.seed, patch), lighting), rank, lights,
+                            rays_per_light, sky_, light, counts);
+        for (std::size_t s = 0; s < sources_; ++s) light_[index * sources_ + s].sampled = light[s];
+        std::fill(light.begin(), light.end(), glm::vec3(0));
+        const CarryingRays rays(options_.seed, patch, transport_.rays);
         std::vector<Met> met;
         for (std::uint32_t r = 0; r < transport_.rays; ++r) {
-            const glm::vec3 direction =
-                cosine_direction(normal, sobol_point(rank * transport_.rays + r, mix_bits(key, carrying)));
+            const glm::vec3 direction = rays.direction(normal, rank, r);
             const glm::vec3 origin = surface.leave(direction);
             met.clear();
-            sample.from_rays +=
-                paths_.look_along({surface.position, normal}, origin, direction, 1 / rays_per_light, sky_, met, counts);
+            paths_.look_along({surface.position, normal}, origin, direction, 1 / rays_per_light, sky_, light, met,
+                              counts);
             for (const Met& m : met) {
+                if (!m.hit.found()) {
+                    if (m.share == glm::vec3(1)) {
+                        transport_.landed[std::size_t{index} * transport_.rays + r] = Transport::sky;
+                    } else {
+                        passed.push_back({index, r, Transport::sky, m.share});
+                    }
+                    continue;
+                }
                 const SurfaceSide side(m.hit, origin, direction);
                 const std::uint32_t landed = patches_.find(tracer, side, counts.shadow_rays);
                 if (landed == SurfacePatches::none) {
@@ -195,31 +256,36 @@ class CacheBuilder {
                 } else if (m.share == glm::vec3(1)) {
                     transport_.landed[std::size_t{index} * transport_.rays + r] = landed;
                 } else {
-                    passed.push_back({index, landed, m.share});
+                    passed.push_back({index, r, landed, m.share});
                 }
             }
         }
+        for (std::size_t s = 0; s < sources_; ++s) light_[index * sources_ + s].from_rays = light[s];
     }
 
     /// Weights and direct light. Rays whose end is not known do not count.
-    void complete_transport() {
-        transport_.first_sample.push_back(static_cast<std::uint32_t>(samples_.size()));
+    void complete() {
+        transport_.first_sample.push_back(static_cast<std::uint32_t>(places_.size()));
         std::stable_sort(transport_.passed.begin(), transport_.passed.end(),
                          [](const auto& a, const auto& b) { return a.from < b.from; });
-        transport_.weights.reserve(samples_.size());
-        for (std::size_t patch = 0; patch < patches_.size(); ++patch) {
+        transport_.weights.reserve(places_.size());
+        direct_.resize(sources_);
+        const std::size_t first_new = direct_.front().size();
+        for (std::vector<glm::dvec3>& source : direct_) source.resize(patches_.size(), glm::dvec3(0));
+        for (std::size_t patch = first_new; patch < patches_.size(); ++patch) {
             const std::uint32_t begin = transport_.first_sample[patch];
             const std::uint32_t end = transport_.first_sample[patch + 1];
-            glm::dvec3 direct(0);
             for (std::uint32_t s = begin; s < end; ++s) {
-                const PatchSample& sample = samples_[s];
-                const std::uint32_t rays = transport_.rays - std::min(transport_.rays, sample.lost_rays);
+                const std::uint32_t rays = transport_.rays - std::min(transport_.rays, lost_rays_[s]);
                 const float share = rays > 0 ? 1 / static_cast<float>(rays) : 0;
-                const glm::vec3 albedo = sample.albedo / static_cast<float>(end - begin);
+                glm::vec3& albedo = places_[s].albedo;
+                albedo /= static_cast<float>(end - begin);
                 transport_.weights.push_back(albedo * share);
-                direct += glm::dvec3(albedo * (sample.sampled + share * sample.from_rays));
+                for (std::size_t source = 0; source < sources_; ++source) {
+                    const SampleLight& light = light_[s * sources_ + source];
+                    direct_[source][patch] += glm::dvec3(albedo * (light.sampled + share * light.from_rays));
+                }
             }
-            transport_.direct.push_back(direct);
         }
     }
 
@@ -232,18 +298,95 @@ class CacheBuilder {
 
     const PathTracer& paths_;
     const CacheOptions& options_;
+    std::size_t sources_;
     SurfacePatches patches_;
     SkyLight sky_;
-    std::vector<PatchSample> samples_;  // patch by patch
+    std::vector<PatchPlace> places_;  // by sample, patch by patch
+    std::vector<std::uint32_t> lost_rays_;
+    std::vector<SampleLight> light_;  // by sample and source
     Transport transport_;
+    std::vector<std::vector<glm::dvec3>> direct_;
     CacheMade made_;
 };
 
 }  // namespace
 
+SkyLight sky_of_cache(const Environment& environment, const CacheOptions& options) {
+    return {environment, sky_samples_per_ray, mix_bits(options.seed, sky)};
+}
+
+SkyLight sky_of_rays(const Environment& environment) {
+    return SkyLight::of_rays(environment, sky_samples_per_ray);
+}
+
+Surfaces find_surfaces(const PathTracer& paths, std::span<const glm::vec3> points, const CacheOptions& options) {
+    SurfaceFinder finder(paths, options);
+    finder.look_around(points);
+    return finder.finish();
+}
+
+std::vector<std::uint32_t> add_places(const PathTracer& paths, std::span<const SeenPlace> places,
+                                      const CacheOptions& options, Surfaces& surfaces) {
+    SurfaceFinder finder(paths, options, std::move(surfaces));
+    std::vector<std::uint32_t> patches = finder.add(places);
+    surfaces = finder.finish();
+    return patches;
+}
+
+std::vector<glm::dvec3> trace_direct(const PathTracer& paths, const Transport& transport,
+                                     std::span<const PatchPlace> places, const SkyLight& sky,
+                                     const CacheOptions& options, PathCounts& counts) {
+    std::vector<glm::dvec3> direct(transport.patches());
+    std::vector<PathCounts> counted(direct.size());
+    const auto before = [](const Transport::PassedRay& ray, std::uint32_t sample) { return ray.from < sample; };
+    for_each_index(direct.size(), [&](std::size_t patch) {
+        const std::uint32_t begin = transport.first_sample[patch];
+        const std::uint64_t key = mix_bits(mix_bits(options.seed, patch), lighting);
+        const CarryingRays rays(options.seed, patch, transport.rays);
+        auto passed = std::lower_bound(transport.passed.begin(), transport.passed.end(), begin, before);
+        for (std::uint32_t s = begin; s < transport.first_sample[patch + 1]; ++s) {
+            if (places[s].albedo == glm::vec3(0)) continue;
+            const Surface surface = paths.tracer().surface(places[s].hit, places[s].direction);
+            const glm::vec3 normal = side_normal(surface);
+            glm::vec3 sampled(0);
+            paths.direct_light(surface, normal, key, s - begin, options.light_samples, 0, sky, {&sampled, 1},
+                               counted[patch]);
+            direct[patch] += glm::dvec3(places[s].albedo * sampled);
+            if (sky.is_black()) continue;
+            glm::vec3 from_rays(0);
+            for (std::uint32_t r = 0; r < transport.rays; ++r) {
+                if (transport.landed[std::size_t{s} * transport.rays + r] != Transport::sky) continue;
+                from_rays += sky.along(rays.direction(normal, s - begin, r));
+            }
+            while (passed != transport.passed.end() && passed->from < s) ++passed;
+            for (; passed != transport.passed.end() && passed->from == s; ++passed) {
+                if (passed->patch != Transport::sky) continue;
+                from_rays += passed->share * sky.along(rays.direction(normal, s - begin, passed->ray));
+            }
+            direct[patch] += glm::dvec3(transport.weights[s] * from_rays);
+        }
+    });
+    for (const PathCounts& c : counted) counts += c;
+    return direct;
+}
+
+SurfaceCache light_surfaces(Surfaces surfaces, const CacheOptions& options) {
+    std::vector<glm::dvec3> direct(surfaces.transport.patches());
+    for (const std::vector<glm::dvec3>& source : surfaces.direct) {
+        for (std::size_t patch = 0; patch < direct.size(); ++patch) direct[patch] += source[patch];
+    }
+    const TransportSolution solution = solve(surfaces.transport, direct, options.accuracy);
+    surfaces.made.sweeps = solution.sweeps;
+    surfaces.made.residual = solution.residual;
+    return {std::move(surfaces.patches),
+            {solution.light.begin(), solution.light.end()},
+            std::move(surfaces.sky),
+            surfaces.made};
+}
+
 SurfaceCache build_surface_cache(const PathTracer& paths, std::span<const glm::vec3> points,
                                  const CacheOptions& options) {
-    return CacheBuilder(paths, options).build(points);
+    return light_surfaces(find_surfaces(paths, points, options), options);
 }
 
 }  // namespace lightgrid

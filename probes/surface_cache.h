@@ -2,6 +2,7 @@
 
 #include "probes/paths.h"
 #include "probes/surface_patches.h"
+#include "probes/transport.h"
 
 #include <glm/glm.hpp>
 
@@ -33,6 +34,23 @@ struct CacheMade {
     PathCounts counts;
 };
 
+/// A sample of a patch, so that light which changed can be traced to it again.
+struct PatchPlace {
+    Hit hit;
+    glm::vec3 direction{0};  // of the ray that met it
+    glm::vec3 albedo{0};     // its part of its patch's reflected share
+};
+
+/// The level's surfaces, how light goes between them, and what comes to them straight from each source.
+struct Surfaces {
+    SurfacePatches patches;
+    Transport transport;
+    std::vector<PatchPlace> places;               // by sample
+    std::vector<std::vector<glm::dvec3>> direct;  // E of the transport, by source and patch
+    SkyLight sky;
+    CacheMade made;
+};
+
 /// Reflected light is taken as constant over a patch: the mean over samples that lie there as the hits of gather rays
 /// do, so that gathers read the right light on the whole though not its detail within a patch. Emission is left to
 /// those who read, and their own sampling of it.
@@ -59,10 +77,40 @@ class SurfaceCache {
     CacheMade made_;
 };
 
+/// The sky as a cache's gathers read it; or what rays read of it alone.
+[[nodiscard]] SkyLight sky_of_cache(const Environment& environment, const CacheOptions& options);
+[[nodiscard]] SkyLight sky_of_rays(const Environment& environment);
+
 /// Where light is needed is found by a few rays from every point; patches that those do not see but that light them
 /// are found by the rays that follow, wider with every generation. The same bits for any thread count.
 ///
 /// points  of the probes, relative to Scene::origin
+[[nodiscard]] Surfaces find_surfaces(const PathTracer& paths, std::span<const glm::vec3> points,
+                                     const CacheOptions& options);
+
+/// A place that a ray met.
+struct SeenPlace {
+    Hit hit;
+    glm::vec3 origin{0};     // of the ray
+    glm::vec3 direction{0};  // of the ray
+};
+
+/// Patches for places where none is known, and for what lights them, behind those that there are. Returns the patch of
+/// each place, or SurfacePatches::none where a cube is full.
+[[nodiscard]] std::vector<std::uint32_t> add_places(const PathTracer& paths, std::span<const SeenPlace> places,
+                                                    const CacheOptions& options, Surfaces& surfaces);
+
+/// What comes to the same patches straight from the sources of `paths`, all together: E of the transport. Takes shadow
+/// rays alone; where the transport's rays left the level is known.
+///
+/// options  as the surfaces were found with
+[[nodiscard]] std::vector<glm::dvec3> trace_direct(const PathTracer& paths, const Transport& transport,
+                                                   std::span<const PatchPlace> places, const SkyLight& sky,
+                                                   const CacheOptions& options, PathCounts& counts);
+
+/// All bounces of the light of all sources.
+[[nodiscard]] SurfaceCache light_surfaces(Surfaces surfaces, const CacheOptions& options);
+
 [[nodiscard]] SurfaceCache build_surface_cache(const PathTracer& paths, std::span<const glm::vec3> points,
                                                const CacheOptions& options);
 

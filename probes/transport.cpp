@@ -31,10 +31,10 @@ void add_transported(const Transport& transport, std::span<const glm::dvec3> lig
                 glm::dvec3 from_rays(0);
                 const std::uint32_t* landed = transport.landed.data() + std::size_t{s} * transport.rays;
                 for (std::uint32_t r = 0; r < transport.rays; ++r) {
-                    if (landed[r] != Transport::none) from_rays += light[landed[r]];
+                    if (landed[r] < Transport::sky) from_rays += light[landed[r]];
                 }
                 for (; ray != transport.passed.end() && ray->from == s; ++ray) {
-                    from_rays += glm::dvec3(ray->share) * light[ray->patch];
+                    if (ray->patch < Transport::sky) from_rays += glm::dvec3(ray->share) * light[ray->patch];
                 }
                 arrived += glm::dvec3(transport.weights[s]) * from_rays;
             }
@@ -43,7 +43,7 @@ void add_transported(const Transport& transport, std::span<const glm::dvec3> lig
     });
 }
 
-TransportSolution solve(const Transport& transport, double accuracy) {
+TransportSolution solve(const Transport& transport, std::span<const glm::dvec3> direct, double accuracy) {
     // Row sums of T are at most the albedo.
     double largest_albedo = 0;
     for (std::size_t patch = 0; patch < transport.patches(); ++patch) {
@@ -58,8 +58,8 @@ TransportSolution solve(const Transport& transport, double accuracy) {
         add_transported(transport, x, y);
         for (std::size_t i = 0; i < y.size(); ++i) y[i] = x[i] - y[i];
     };
-    Solution solution = solve_linear(one_minus_transport, transport.direct,
-                                     accuracy * (1 - std::min(largest_albedo, 0.99999)), most_sweeps);
+    Solution solution =
+        solve_linear(one_minus_transport, direct, accuracy * (1 - std::min(largest_albedo, 0.99999)), most_sweeps);
     return {std::move(solution.x), solution.residual, solution.sweeps};
 }
 

@@ -224,8 +224,8 @@ void print_result(const Messages& messages, const BakePlan& plan, const BakeResu
     }
     if (result.cache) {
         messages.line(fmt::format("cache      {} patches of {} samples, {:.3g} m wide, solved in {} sweeps to {:.1e}",
-                                  result.cache->patches, result.cache->samples, result.cache->width, result.cache->sweeps,
-                                  result.cache->residual));
+                                  result.cache->patches, result.cache->samples, result.cache->width,
+                                  result.cache->sweeps, result.cache->residual));
     }
     if (result.counts.dropped > 0) {
         messages.warning(fmt::format("{} samples were not finite and count as black", result.counts.dropped));
@@ -285,13 +285,11 @@ json bake_report(const Tracer& tracer, const BakePlan& plan, const BakeResult& r
     report["seed"] = options.seed;
     report["samples"] = plan.samples / GatherOptions{}.replicates * result.replicates;
     report["method"] = name_of(result.method);
+    report["transport"] = result.from_kept ? json("kept") : result.kept ? json("traced") : json(nullptr);
     if (result.cache) {
-        report["cache"] = {{"patches", result.cache->patches},
-                           {"samples", result.cache->samples},
-                           {"cut_cubes", result.cache->cut_cubes},
-                           {"generations", result.cache->generations},
-                           {"sweeps", result.cache->sweeps},
-                           {"residual", result.cache->residual},
+        report["cache"] = {{"patches", result.cache->patches},     {"samples", result.cache->samples},
+                           {"cut_cubes", result.cache->cut_cubes}, {"generations", result.cache->generations},
+                           {"sweeps", result.cache->sweeps},       {"residual", result.cache->residual},
                            {"width", result.cache->width}};
     }
     report["replicates"] = result.replicates;

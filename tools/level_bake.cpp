@@ -8,6 +8,7 @@
 #include "core/tracer.h"
 #include "core/whole_file.h"
 #include "probes/bake.h"
+#include "probes/kept_transport.h"
 #include "probes/volume_file.h"
 #include "tools/bake_report.h"
 #include "tools/csv.h"
@@ -49,6 +50,7 @@ struct Call {
     std::uint64_t seed = 0;
     int threads = 0;
     std::string layers = "combined";
+    std::string keep_transport;
     std::string report;
     std::string report_json;
     bool json = false;
@@ -136,6 +138,12 @@ void add_options(CLI::App& app, Call& call) {
         ->check(checked(parse_layers))
         ->capture_default_str()
         ->group(how);
+    app.add_option(
+           "--keep-transport", call.keep_transport,
+           "Keeps in FILE how light travels; where it is kept already, a change of lights alone is solved without "
+           "tracing it again. Of the error only the noise is known then")
+        ->type_name("FILE")
+        ->group(how);
 
     const char* out = "Output";
     app.add_option("--report", call.report,
@@ -159,6 +167,15 @@ void check(const Call& call) {
     }
     if (call.level.empty() && call.light.environment.empty() && call.light.sky.empty() && call.light.sun_sky.empty()) {
         wrong.emplace_back("no LEVEL: name a .gltf or .glb file, or an --environment");
+    }
+    if (!call.keep_transport.empty() && !call.target.time_budget.empty()) {
+        wrong.emplace_back("--keep-transport excludes --time-budget: it keeps what was traced, whatever that takes");
+    }
+    if (!call.keep_transport.empty() && call.target.strict) {
+        wrong.emplace_back("--keep-transport excludes --strict: with kept transport no error is measured");
+    }
+    if (!call.keep_transport.empty() && parse_method(call.method) != Method::cache) {
+        wrong.emplace_back("--keep-transport needs --method cache: paths have nothing to keep");
     }
     try {
         static_cast<void>(parse_target(call.target));
@@ -199,7 +216,7 @@ void check_output(const fs::path& file, const Call& call) {
 /// The same for all outputs, which also must not replace each other.
 void check_outputs(const fs::path& volume, const Call& call) {
     std::vector<fs::path> files{volume};
-    for (const std::string& report : {call.report, call.report_json}) {
+    for (const std::string& report : {call.report, call.report_json, call.keep_transport}) {
         if (!report.empty()) files.emplace_back(report);
     }
     for (auto file = files.begin(); file != files.end(); ++file) {
@@ -244,6 +261,19 @@ bool has_light(const PathTracer& paths) {
     return paths.estimators().emitters || paths.estimators().sky || paths.estimators().lights;
 }
 
+/// What FILE keeps, if it is there and fits; says where it does not.
+std::optional<KeptTransport> find_transport(const Call& call, std::uint64_t fingerprint, const Environment& environment,
+                                            const Messages& messages) {
+    const fs::path file = call.keep_transport;
+    if (!fs::exists(file)) return {};
+    std::optional<KeptTransport> kept = load_transport(file, fingerprint);
+    if (kept && has_places_for(*kept, environment)) return kept;
+    messages.notice(fmt::format("{}: is of {}: it is made anew", file.string(),
+                                kept ? "a level without a sky, where fewer probes are free"
+                                     : "another level, other options or another version"));
+    return {};
+}
+
 Scene empty_scene() {
     Scene scene;
     scene.name = "none";
@@ -269,6 +299,7 @@ int bake(const Call& call) {
     if (options.target.seconds) options.clock = clock;
     options.method = parse_method(call.method);
     options.seed = call.seed;
+    options.keep_transport = !call.keep_transport.empty();
     const bool wants_report = !call.report.empty() || !call.report_json.empty();
     options.measure_error = !call.target.samples || wants_report;
     options.compare_look_ups = wants_report;
@@ -279,7 +310,9 @@ int bake(const Call& call) {
     const Scene scene = call.level.empty() ? empty_scene() : load_level(call.level, {call.scene});
     std::vector<Stage> stages{{"load", watch.lap(), 0}};
     const Tracer tracer(scene);
-    const PathTracer paths(tracer, light.environment);
+    const bool keeps = !call.keep_transport.empty();
+    const PathTracer paths(tracer, light.environment,
+                           keeps ? separate_sources(scene, light.environment) : LightSources());
     stages.push_back({"build", watch.lap(), 0});
     for (const std::string& notice : light.notices) messages.notice(notice);
     for (const std::string& notice : scene.notices) messages.notice(notice);
@@ -291,17 +324,34 @@ int bake(const Call& call) {
 
     ProgressLine line(messages);
     const auto progress = [&](const Doing& doing) { line.update(doing.stage, doing.share, doing.rays, doing.error); };
-    BakePlan plan = plan_bake(paths, options, progress);
+    const std::uint64_t fingerprint = keeps ? transport_fingerprint(scene, options, LIGHTGRID_VERSION) : 0;
+    watch.lap();
+    const std::optional<KeptTransport> kept =
+        keeps ? find_transport(call, fingerprint, light.environment, messages) : std::nullopt;
+    if (keeps) stages.push_back({"kept", watch.lap(), 0});
+    BakePlan plan = kept ? plan_of(*kept, scene) : plan_bake(paths, options, progress);
     line.finish();
     plan.stages.insert(plan.stages.begin(), stages.begin(), stages.end());
     print_plan(messages, scene, tracer, plan, options);
+    if (kept) {
+        messages.line(
+            fmt::format("transport  kept in {}: {} patches, {} sources of light; only light that is new or has "
+                        "moved is traced",
+                        call.keep_transport, kept->made.patches, kept->light.sources.count));
+    }
     if (plan.placement.valid + plan.placement.moved == 0) {
         messages.warning("no probe is valid: all are inside solids. Check the level's winding, or give a --volume");
     }
 
-    BakeResult result = run_bake(paths, plan, options, progress);
+    BakeResult result =
+        kept ? bake_from(*kept, paths, plan, options, progress) : run_bake(paths, plan, options, progress);
     line.finish();
     watch.lap();
+    if (result.kept) {
+        result.kept->fingerprint = fingerprint;
+        save_transport(*result.kept, call.keep_transport);
+        result.stages.push_back({"keep", watch.lap(), 0});
+    }
     save_volume(result.volume, output);
     result.stages.push_back({"save", watch.lap(), 0});
 
@@ -314,6 +364,12 @@ int bake(const Call& call) {
         write_whole_file(call.report, report_page(report, slices));
     }
     print_result(messages, plan, result, output);
+    if (result.kept) {
+        messages.line("kept       " + call.keep_transport);
+    } else if (keeps && !kept) {
+        messages.notice(fmt::format("{}: is not written: light was gathered by paths, which leave nothing to keep",
+                                    call.keep_transport));
+    }
     if (call.json) print(report.dump(2) + "\n");
     return call.target.strict && !result.target_met.value_or(true) ? 1 : 0;
 }

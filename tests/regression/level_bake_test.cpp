@@ -403,6 +403,59 @@ TEST_F(LevelBake, TheCacheGivesTheLightOfPathsAndTheSameBytesForAnyNumberOfThrea
     EXPECT_LT(std::sqrt(squares / power), 0.03) << "1,024 rays leave a percent or two of noise";
 }
 
+// ---- Kept transport
+
+TEST_F(LevelBake, KeepsTransportAndSolvesAChangeOfLightsWithoutARay) {
+    const std::string call = "'" + cornell + "' --spacing 0.8 --samples 64 --keep-transport kept --json ";
+    const auto first = json(call + "-o a.exr --sky 0.1,0.1,0.1");
+    EXPECT_EQ(first.at("transport"), "traced");
+    EXPECT_EQ(json(call + "-o b.exr --sky 0.1,0.1,0.1 --threads 1").at("transport"), "kept");
+    EXPECT_EQ(bytes("a.exr"), bytes("b.exr"));
+    const std::string kept = bytes("kept");
+
+    const auto under_sky = json(call + "-o c.exr --sky 1,1,1");
+    EXPECT_EQ(under_sky.at("transport"), "kept");
+    EXPECT_EQ(under_sky.at("rays").at("gather"), 0);
+    EXPECT_TRUE(under_sky.at("error").at("relrmse").is_null());
+    EXPECT_NE(under_sky.at("error").at("not_measured").get<std::string>().find("kept transport"), std::string::npos);
+    EXPECT_NE(bytes("a.exr"), bytes("c.exr"));
+    EXPECT_EQ(bytes("kept"), kept) << "it is of the light of the first bake";
+}
+
+TEST_F(LevelBake, TransportOfSomethingElseIsMadeAnewAndSaidSo) {
+    const std::string call = "'" + cornell + "' --samples 64 --keep-transport kept --json ";
+    ASSERT_EQ(json(call + "--spacing 0.8 -o a.exr").at("transport"), "traced");
+    const Result other = run(call + "--spacing 0.9 -o b.exr");
+    EXPECT_EQ(nlohmann::json::parse(other.out).at("transport"), "traced");
+    EXPECT_NE(other.err.find("kept: is of another level, other options or another version"), std::string::npos);
+    EXPECT_EQ(json(call + "--spacing 0.9 -o c.exr").at("transport"), "kept");
+    EXPECT_EQ(bytes("b.exr"), bytes("c.exr"));
+}
+
+TEST_F(LevelBake, RefusesTransportThatIsDamagedOrDoesNotFit) {
+    write("kept", "lightgrid.keep.1 and no more");
+    write("other", "notes");
+    const std::string call = "'" + cornell + "' --spacing 0.8 --samples 64 -o a.exr ";
+    expect_refused(call + "--keep-transport kept", "kept: is damaged");
+    expect_refused(call + "--keep-transport other", "other: holds no transport");
+    expect_refused(call + "--keep-transport a.exr", "a.exr: is named for two outputs");
+    expect_refused(call + "--keep-transport k --method path", "--keep-transport needs --method cache");
+    expect_refused("'" + cornell + "' --time-budget 60 --keep-transport k", "--keep-transport excludes --time-budget");
+    expect_refused("'" + cornell + "' --max-error 5% --strict --keep-transport k",
+                   "--keep-transport excludes --strict");
+    EXPECT_EQ(bytes("other"), "notes");
+    EXPECT_EQ(files(), (std::set<std::string>{"kept", "other"}));
+    ASSERT_EQ(run(call + "--keep-transport k").status, 0);
+    const Result under_sky = run(call + "--keep-transport k --sky 1,1,1 --json");
+    EXPECT_NE(under_sky.err.find("k: is of a level without a sky"), std::string::npos) << under_sky.err;
+    EXPECT_EQ(nlohmann::json::parse(under_sky.out).at("transport"), "traced");
+    fs::remove(folder() / "k");
+    const Result few = run("'" + cornell + "' --spacing 5 --samples 64 -o a.exr --keep-transport k");
+    EXPECT_EQ(few.status, 0) << few.err;
+    EXPECT_NE(few.err.find("k: is not written"), std::string::npos) << few.err;
+    EXPECT_FALSE(fs::exists(folder() / "k"));
+}
+
 TEST_F(LevelBake, FewProbesAreGatheredByPathsEvenWhereACacheIsAskedFor) {
     write("points.csv", "x,y,z\n0,2,0\n1,1,1\n");
     const std::string same = cornell + " --probes points.csv --samples 256 --quiet";

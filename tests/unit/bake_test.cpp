@@ -1,4 +1,5 @@
 #include "probes/bake.h"
+
 #include "tests/scene_builder.h"
 
 #include <gtest/gtest.h>
