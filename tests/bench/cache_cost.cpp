@@ -1,16 +1,18 @@
-// bench_cache_cost SCENES DATA [rate|probes|furnace ...]
+// bench_cache_cost SCENES DATA [rate|probes|relight|furnace ...]
 //
 // What a surface cache costs and how its cost grows; SCENES is the folder of the generated levels, DATA that of real
 // ones. Without a part named, all of them:
 //
 // rate     4,096 probes x 1,024 gather rays, cache included, beside rtcIntersect1 on those rays
 // probes   cost of whole bakes per probe, and their memory, from 64 to 65,536 probes
+// relight  whole bakes that keep their transport, and bakes in other light from it
 // furnace  closed rooms of albedo a: sweeps of the solver, and error of light that must be e / (1 - a)
 
 #include "core/error.h"
 #include "core/parallel.h"
 #include "core/sampling.h"
 #include "probes/gather.h"
+#include "probes/kept_transport.h"
 #include "probes/surface_cache.h"
 #include "tests/bench/lit_levels.h"
 #include "tests/bench/measure.h"
@@ -115,6 +117,59 @@ void probes_part(const std::filesystem::path& scenes) {
     }
 }
 
+/// All of a bake but reading the level and writing the volume; then twice the light, reading what was kept included.
+void relight(Level level, bool with_error) {
+    BakeOptions options;
+    options.keep_transport = true;
+    options.measure_error = with_error;
+    if (!with_error) options.target.samples = 1024;
+    const std::filesystem::path file = std::filesystem::temp_directory_path() / "lightgrid-bench-relight";
+    BakeResult first;
+    std::size_t probes = 0;
+    const Tracer tracer(level.scene);
+    const double bake =
+        seconds_of([&] {
+            const PathTracer paths(tracer, level.environment, separate_sources(level.scene, level.environment));
+            const BakePlan plan = plan_bake(paths, options);
+            probes = plan.points.size();
+            first = run_bake(paths, plan, options);
+        }).processor;
+    if (!first.kept) {
+        fmt::print("| {} | {} | nothing to keep: its light was gathered by paths |\n", level.name, probes);
+        return;
+    }
+    save_transport(*first.kept, file);
+    for (Material& material : level.scene.materials) material.emission *= 2.0F;
+    for (Light& light : level.scene.lights) light.intensity *= 2.0F;
+    std::vector<double> again;
+    for (int round = 0; round < 5; ++round) {
+        again.push_back(seconds_of([&] {
+                            const KeptTransport kept = *load_transport(file, first.kept->fingerprint);
+                            const PathTracer paths(tracer, level.environment);
+                            static_cast<void>(bake_from(kept, paths, plan_of(kept, level.scene), options));
+                        }).processor);
+    }
+    const Spread light = spread(again);
+    fmt::print("| {} | {} | {} | {:.2f} | {:.3f} ({:.3f} to {:.3f}) | {:.0f} | {:.1f} |\n", level.name, probes,
+               with_error ? "2 %, measured" : "1,024 samples", bake, light.median, light.least, light.most,
+               bake / light.median, static_cast<double>(std::filesystem::file_size(file)) / (1 << 20));
+    std::fflush(stdout);
+    std::filesystem::remove(file);
+}
+
+void relight_part(const std::filesystem::path& scenes, const std::filesystem::path& data) {
+    fmt::print(
+        "\n| level | probes | target | first bake, s | other light, s | ratio | MiB kept |\n"
+        "|---|---|---|---|---|---|---|\n");
+    for (const bool with_error : {false, true}) {
+        relight(load_lit_level("cornell", scenes / "cornell.glb"), with_error);
+        relight(load_lit_level("default", scenes / "default.glb"), with_error);
+        relight(load_lit_level("breakfast-room", data / "level-bitterli-breakfast-room/scene.gltf",
+                               data / "env-polyhaven-1k/apartment.hdr"),
+                with_error);
+    }
+}
+
 void furnace_part() {
     fmt::print(
         "\n| albedo | sweeps | sweeps / sqrt(1 / (1 - a)) | residual | light / (e / (1 - a)) - 1, % |\n"
@@ -148,6 +203,7 @@ int run(int argc, char** argv) {
     fmt::print("processor time of {} threads\n", thread_count());
     if (wanted("rate")) rate_part(argv[2]);
     if (wanted("probes")) probes_part(argv[1]);
+    if (wanted("relight")) relight_part(argv[1], argv[2]);
     if (wanted("furnace")) furnace_part();
     return 0;
 }
