@@ -2,7 +2,9 @@
 
 #include <glm/glm.hpp>
 
+#include <algorithm>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -88,6 +90,16 @@ class RandomStream {
 /// net without correlating them (Burley 2020).
 [[nodiscard]] constexpr std::uint32_t shuffled_index(std::uint32_t index, std::uint32_t seed) {
     return reverse_bits(scramble_reversed(reverse_bits(index), seed));
+}
+
+/// At most `most` of some values, taken at even steps.
+template <typename T>
+[[nodiscard]] std::vector<T> spread_over(std::span<const T> all, std::size_t most) {
+    const std::size_t count = std::min(most, all.size());
+    std::vector<T> some;
+    some.reserve(count);
+    for (std::size_t i = 0; i < count; ++i) some.push_back(all[i * all.size() / count]);
+    return some;
 }
 
 /// `count` directions spread evenly over the sphere, in the order of falling y: a Fibonacci lattice, wrapped by the

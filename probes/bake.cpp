@@ -13,12 +13,8 @@ namespace {
 
 /// With a time budget: replicates that it shall pay for (more if they turn out cheaper), and what tells too little.
 constexpr std::uint32_t least_replicates = 4;
-/// Each takes about four times as long as the one before.
+/// Each has a quarter of the area for a patch, twice the rays that find them and twice the samples of lights.
 constexpr int most_finer_caches = 2;
-
-std::string percent(double share) {
-    return fmt::format("{:.2g} %", 100 * share);
-}
 
 /// Of irradiance, over all directions of all gathered probes.
 ErrorPart noise_at_probes(const Volume& volume, std::span<const Batch> batches) {
@@ -41,18 +37,18 @@ ErrorPart noise_at_probes(const Volume& volume, std::span<const Batch> batches) 
 void judge(BakeResult& result, const BakeOptions& options) {
     if (options.target.samples || options.target.seconds) return;
     const double target = options.target.error.value_or(default_error);
-    const std::string wanted = fmt::format("{}", percent(target));
+    const std::string wanted = rounded_percent(target);
     if (!result.error) {
         result.target_met = result.noise.relrmse < target;
         result.verdict = fmt::format("{}: noise {} of {}", *result.target_met ? "target met" : "target not reached",
-                                     percent(result.noise.relrmse), wanted);
+                                     rounded_percent(result.noise.relrmse), wanted);
         return;
     }
     const ErrorReport& error = *result.error;
     const ErrorPart& counted = options.target.error ? error.total : error.without_bands;
     result.target_met = counted.interval.high < target;
     if (*result.target_met) {
-        result.verdict = fmt::format("target met: {} at most, of {}", percent(counted.interval.high), wanted);
+        result.verdict = fmt::format("target met: {} at most, of {}", rounded_percent(counted.interval.high), wanted);
         return;
     }
     std::vector<std::pair<double, std::string>> parts{{error.interpolation.relrmse, "interpolation"},
@@ -62,7 +58,7 @@ void judge(BakeResult& result, const BakeOptions& options) {
     std::sort(parts.begin(), parts.end(), std::greater<>());
     std::vector<std::string> named;
     for (const auto& [value, name] : parts) {
-        if (named.empty() || value > 0.5 * target) named.push_back(fmt::format("{} {}", name, percent(value)));
+        if (named.empty() || value > 0.5 * target) named.push_back(fmt::format("{} {}", name, rounded_percent(value)));
     }
     result.verdict = fmt::format("target not reached: {}", fmt::join(named, ", "));
 }
@@ -138,7 +134,8 @@ class Bake {
             const double goal = bias_goal(options_.target, rest_expected());
             const double bias = bias_of(held_out_).interval.low;
             if (bias <= goal) return;
-            const std::string too_much = fmt::format("its bias is at least {}, above {}", percent(bias), percent(goal));
+            const std::string too_much =
+                fmt::format("its bias is at least {}, above {}", rounded_percent(bias), rounded_percent(goal));
             if (finer == most_finer_caches) {
                 if (options_.target.error) leave_out_cache(too_much);
                 return;
@@ -164,7 +161,7 @@ class Bake {
         add_stage("cache", watch.seconds(), result_.cache->counts);
     }
 
-    /// As measured with paths of their own for each cache, so that none is chosen for its luck with them.
+    /// By other paths for each cache, so that none is chosen for its luck with them.
     void measure_bias(int attempt) {
         if (held_out_.points.empty()) return;
         const Stopwatch watch;
@@ -253,15 +250,19 @@ class Bake {
     /// In place of gathering with the cache: what is traced is kept, and lit as it will be again.
     void gather_to_keep() {
         Stopwatch watch;
-        tell({"gather"});
         PathCounts counts;
-        result_.kept = trace_transport(paths_, plan_, std::move(*surfaces_), kept_options_, options_.seed, counts);
+        const auto all = static_cast<double>(plan_.points.size());
+        result_.kept = trace_transport(paths_, plan_, std::move(*surfaces_), kept_options_, options_.seed, counts,
+                                       [&](std::size_t points) {
+                                           tell({"gather", static_cast<double>(points) / all});
+                                       });
         add_stage("gather", watch.lap(), counts);
         light_from(*result_.kept);
+        const double seconds = watch.seconds();
         if (held_out_.points.empty()) return;
         const ErrorPart total = measure_error(result_.volume, held_out_).total;
-        result_.curve.push_back({result_.stages.back().seconds + result_.stages[result_.stages.size() - 2].seconds,
-                                 plan_.samples, counts.rays + counts.shadow_rays, total.relrmse, total.interval});
+        result_.curve.push_back(
+            {seconds, plan_.samples, counts.rays + counts.shadow_rays, total.relrmse, total.interval});
     }
 
     void light_from(const KeptTransport& kept) {
@@ -289,10 +290,10 @@ class Bake {
         if (storage.half) {
             if (!held_out_.points.empty()) unrounded_ = volume;
             store_as_half(volume);
-            result_.left_out.push_back(
-                {"float coefficients: half serves",
-                 fmt::format("rounding adds at most {} of any brick's standard error", percent(storage.worst_share)),
-                 "half of the bytes"});
+            result_.left_out.push_back({"float coefficients: half serves",
+                                        fmt::format("rounding adds at most {} of any brick's standard error",
+                                                    rounded_percent(storage.worst_share)),
+                                        "half of the bytes"});
         }
         add_stage("finish", watch.seconds(), {});
     }

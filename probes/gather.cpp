@@ -129,17 +129,22 @@ Gather gather(const PathTracer& paths, std::vector<glm::vec3> points, const Gath
     return sums.result();
 }
 
-void store(const Gather& gather, std::span<const std::size_t> slots, Volume& volume) {
+void store(std::span<const Estimate> coefficients, std::span<const Estimate> axis_irradiance, std::size_t slot,
+           Volume& volume) {
     const std::size_t n = volume.sh_size();
-    const std::size_t known = std::min(n, static_cast<std::size_t>(sh_size(gather.bands)));
+    for (std::size_t k = 0; k < std::min(n, coefficients.size()); ++k) {
+        volume.coefficients[slot * n + k] = glm::vec3(coefficients[k].mean);
+        volume.errors[slot * n + k] = glm::vec3(coefficients[k].error);
+    }
+    for (std::size_t k = 0; k < axis_normals.size(); ++k) {
+        volume.axis_errors[slot * axis_normals.size() + k] = glm::vec3(axis_irradiance[k].error);
+    }
+}
+
+void store(const Gather& gather, std::span<const std::size_t> slots, Volume& volume) {
+    const std::span<const Estimate> axes = gather.axis_irradiance;
     for (std::size_t i = 0; i < slots.size(); ++i) {
-        for (std::size_t k = 0; k < known; ++k) {
-            volume.coefficients[slots[i] * n + k] = glm::vec3(gather.sh(i)[k].mean);
-            volume.errors[slots[i] * n + k] = glm::vec3(gather.sh(i)[k].error);
-        }
-        for (std::size_t k = 0; k < 6; ++k) {
-            volume.axis_errors[slots[i] * 6 + k] = glm::vec3(gather.axis_irradiance[i * 6 + k].error);
-        }
+        store(gather.sh(i), axes.subspan(i * axis_normals.size(), axis_normals.size()), slots[i], volume);
     }
 }
 

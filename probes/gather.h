@@ -89,7 +89,11 @@ class GatherSums {
 [[nodiscard]] Gather gather(const PathTracer& paths, std::vector<glm::vec3> points, const GatherOptions& options,
                             PathCounts* counts = nullptr);
 
-/// Light of the i-th point into the i-th of `slots`. Bands that only one of them has are left alone.
+/// Light of one point into a slot: coefficients, and irradiance along the six axes. Bands that only one of them has are
+/// left alone.
+void store(std::span<const Estimate> coefficients, std::span<const Estimate> axis_irradiance, std::size_t slot,
+           Volume& volume);
+/// Light of the i-th point into the i-th of `slots`.
 void store(const Gather& gather, std::span<const std::size_t> slots, Volume& volume);
 
 }  // namespace lightgrid

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <mutex>
 #include <utility>
 
 namespace lightgrid {
@@ -124,8 +125,9 @@ std::vector<KeptEstimate> kept(const std::vector<Estimate>& estimates) {
 /// Traces the gathers of one batch.
 class GatherTracer {
   public:
-    GatherTracer(const PathTracer& paths, const SurfacePatches& patches, const SkyLight& sky, int bands)
-        : paths_(paths), patches_(patches), sky_(sky), bands_(bands) {}
+    GatherTracer(const PathTracer& paths, const SurfacePatches& patches, const SkyLight& sky, int bands,
+                 const std::function<void(std::size_t)>& done)
+        : paths_(paths), patches_(patches), sky_(sky), bands_(bands), done_(done) {}
 
     KeptGather trace(const Batch& batch, std::uint64_t seed, PathCounts& counts) {
         const std::size_t sources = paths_.sources().count;
@@ -154,6 +156,9 @@ class GatherTracer {
                        std::span(gather.landed).subspan(set * gather.rays, gather.rays), ends[set], missing[set],
                        counted[point]);
             }
+            if (!done_) return;
+            const std::lock_guard lock(mutex_);
+            done_(++gathered_);
         });
         std::vector<Missing>& all_missing = missing_.emplace_back();
         for (std::size_t set = 0; set < ends.size(); ++set) {
@@ -229,6 +234,9 @@ class GatherTracer {
     const SurfacePatches& patches_;
     const SkyLight& sky_;
     int bands_;
+    const std::function<void(std::size_t)>& done_;
+    std::mutex mutex_;                           // of the next
+    std::size_t gathered_ = 0;                   // points
     std::vector<std::vector<Missing>> missing_;  // by batch
 };
 
@@ -311,22 +319,11 @@ class GatherLight {
     std::vector<double> basis_;    // of these
 };
 
-/// As `store` does for a gather.
-void store_point(const std::vector<Estimate>& light, std::size_t slot, Volume& volume) {
-    const std::size_t n = volume.sh_size();
-    for (std::size_t i = 0; i < n; ++i) {
-        volume.coefficients[slot * n + i] = glm::vec3(light[i].mean);
-        volume.errors[slot * n + i] = glm::vec3(light[i].error);
-    }
-    for (std::size_t axis = 0; axis < axis_normals.size(); ++axis) {
-        volume.axis_errors[slot * axis_normals.size() + axis] = glm::vec3(light[n + axis].error);
-    }
-}
-
 }  // namespace
 
 KeptTransport trace_transport(const PathTracer& paths, const BakePlan& plan, Surfaces surfaces,
-                              const CacheOptions& options, std::uint64_t seed, PathCounts& counts) {
+                              const CacheOptions& options, std::uint64_t seed, PathCounts& counts,
+                              const std::function<void(std::size_t)>& done) {
     const Scene& scene = paths.tracer().scene();
     KeptTransport kept;
     kept.light = light_of(scene, paths.environment(), paths.sources());
@@ -336,7 +333,7 @@ KeptTransport trace_transport(const PathTracer& paths, const BakePlan& plan, Sur
     kept.placement = plan.placement;
     kept.why_spacing = plan.why_spacing;
     kept.why_samples = plan.why_samples;
-    GatherTracer tracer(paths, surfaces.patches, surfaces.sky, plan.volume.bands);
+    GatherTracer tracer(paths, surfaces.patches, surfaces.sky, plan.volume.bands, done);
     for (std::size_t b = 0; b < plan.batches.size(); ++b) {
         kept.gathers.push_back(tracer.trace(plan.batches[b], b == 0 ? seed : mix_bits(mix_bits(seed, 13), b), counts));
     }
@@ -392,7 +389,9 @@ KeptLight light_probes(const KeptTransport& kept, const Tracer& tracer, const En
                     counted[point]);
                 other = aimed[0].estimates();
             }
-            store_point(light.at(point, other), gather.slots[point], volume);
+            const std::vector<Estimate> estimates = light.at(point, other);
+            store(std::span(estimates).first(volume.sh_size()), std::span(estimates).subspan(volume.sh_size()),
+                  gather.slots[point], volume);
         });
         for (const PathCounts& c : counted) counts += c;
     }

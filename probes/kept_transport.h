@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -74,8 +75,10 @@ struct KeptTransport {
 /// Traces the transport of a plan's probes, and the light of the sources of `paths` apart.
 ///
 /// surfaces  of the plan's points, found with `options`; what gathers meet besides is added to them
+/// done      called with how many points have been gathered so far, from any thread, one at a time
 [[nodiscard]] KeptTransport trace_transport(const PathTracer& paths, const BakePlan& plan, Surfaces surfaces,
-                                            const CacheOptions& options, std::uint64_t seed, PathCounts& counts);
+                                            const CacheOptions& options, std::uint64_t seed, PathCounts& counts,
+                                            const std::function<void(std::size_t)>& done = {});
 
 /// The light of a level's lights as they are now.
 struct KeptLight {

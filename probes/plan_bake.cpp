@@ -63,11 +63,11 @@ double median_light(const PathTracer& paths, const Volume& volume, std::uint64_t
     for (std::size_t slot = 0; slot < volume.slots(); ++slot) {
         if (volume.states[slot] != ProbeState::absent) slots.push_back(slot);
     }
-    const std::size_t count = std::min(pilot_points, slots.size());
-    std::vector<double> light(count);
-    std::vector<PathCounts> counted(count);
-    for_each_index(count, [&](std::size_t i) {
-        const glm::vec3 point(lattice_position(volume, slots[i * slots.size() / count]) - origin);
+    slots = spread_over<std::size_t>(slots, pilot_points);
+    std::vector<double> light(slots.size());
+    std::vector<PathCounts> counted(slots.size());
+    for_each_index(slots.size(), [&](std::size_t i) {
+        const glm::vec3 point(lattice_position(volume, slots[i]) - origin);
         light[i] = rough_light(paths, point, mix_bits(mix_bits(seed, 5), i), counted[i]);
     });
     for (const PathCounts& c : counted) counts += c;
@@ -84,13 +84,6 @@ struct Cost {
     double seconds = 0;  // on all threads together
 };
 
-std::vector<glm::vec3> spread_over(const std::vector<glm::vec3>& points, std::size_t most) {
-    const std::size_t count = std::min(most, points.size());
-    std::vector<glm::vec3> some;
-    for (std::size_t i = 0; i < count; ++i) some.push_back(points[i * points.size() / count]);
-    return some;
-}
-
 double total_rays(const PathCounts& counts) {
     return static_cast<double>(counts.rays + counts.shadow_rays);
 }
@@ -98,7 +91,7 @@ double total_rays(const PathCounts& counts) {
 double rays_per_path(const PathTracer& paths, const std::vector<glm::vec3>& points, std::uint32_t samples,
                      std::uint64_t seed, PathCounts& counts) {
     const std::size_t count = std::clamp(points.size() * samples / counted_share, std::size_t{1}, counted_paths);
-    const std::vector<glm::vec3> some = spread_over(points, count);
+    const std::vector<glm::vec3> some = spread_over<glm::vec3>(points, count);
     const auto directions = even_directions(static_cast<std::uint32_t>(count / some.size()));
     std::vector<PathCounts> counted(some.size());
     for_each_index(some.size(), [&](std::size_t i) {
@@ -120,7 +113,7 @@ double seconds_per_ray(const PathTracer& paths, const std::vector<glm::vec3>& po
     options.seed = mix_bits(seed, 7);
     PathCounts counted;
     const Stopwatch watch;
-    static_cast<void>(gather(paths, spread_over(points, timed_points), options, &counted));
+    static_cast<void>(gather(paths, spread_over<glm::vec3>(points, timed_points), options, &counted));
     const double seconds = watch.seconds();
     counts += counted;
     return seconds / total_rays(counted);

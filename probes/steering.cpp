@@ -41,10 +41,6 @@ constexpr int most_bands = 5;
 /// Of the bake's held-out points, in spacings.
 constexpr double clearance_share = 0.01;
 
-std::string percent(double share) {
-    return fmt::format("{:.2g} %", 100 * share);
-}
-
 /// A point in a block, drawn once: what is not free there has no part in the error.
 struct Place {
     std::size_t block = 0;
@@ -82,7 +78,7 @@ class Pilot {
             if (options_.seconds) light_up(volume_, slots, samples_for(law_, 1, most_samples));
             const double goal = options_.target.seconds ? 0.0 : aimed_error(options_.target);
             result_.samples = {samples_for(law_, goal, most_samples)};
-            result_.why_samples = fmt::format("for a noise of {} at the probes", percent(goal));
+            result_.why_samples = fmt::format("for a noise of {} at the probes", rounded_percent(goal));
             return;
         }
         for (std::size_t slot = 0; slot < volume_.list_start(); ++slot) {
@@ -298,21 +294,19 @@ class Pilot {
     void choose_bands() {
         result_.bands = options_.bands.value_or(3);
         if (options_.bands || !(options_.target.error || options_.target.seconds) || band_places_.empty()) return;
-        std::vector<glm::vec3> some;
-        const std::size_t count = std::min(band_points, band_places_.size());
-        for (std::size_t i = 0; i < count; ++i) some.push_back(band_places_[i * band_places_.size() / count]);
-        result_.bands_error = measure_bands(paths_, some, most_bands, band_samples, rays_,
-                                            mix_bits(options_.seed, bands), result_.counts);
+        result_.bands_error = measure_bands(paths_, spread_over<glm::vec3>(band_places_, band_points), most_bands,
+                                            band_samples, rays_, mix_bits(options_.seed, bands), result_.counts);
         const auto error = [&](int bands) { return result_.bands_error[static_cast<std::size_t>(bands) - 1]; };
         // Odd bands beyond the second bring no irradiance: nothing is lost by leaving them out.
         const double goal = aimed_share * options_.target.error.value_or(0);
         if (error(3) <= goal) {
-            result_.why_bands = fmt::format("3 leave {}", percent(error(3)));
+            result_.why_bands = fmt::format("3 leave {}", rounded_percent(error(3)));
         } else if (error(5) < worthwhile * error(3)) {
             result_.bands = 5;
-            result_.why_bands = fmt::format("3 would leave {}, 5 leave {}", percent(error(3)), percent(error(5)));
+            result_.why_bands =
+                fmt::format("3 would leave {}, 5 leave {}", rounded_percent(error(3)), rounded_percent(error(5)));
         } else {
-            result_.why_bands = fmt::format("3 leave {}, and 5 would hardly leave less", percent(error(3)));
+            result_.why_bands = fmt::format("3 leave {}, and 5 would hardly leave less", rounded_percent(error(3)));
         }
     }
 
@@ -335,13 +329,13 @@ class Pilot {
             if (progress) progress(1 - 1 / (1.0 + static_cast<double>(result_.rounds.size())));
             if (!options_.may_refine) return;
             if (expected_ <= goal || confirmations > most_confirmations) {
-                result_.why_refined = fmt::format("interpolation leaves {}", percent(expected_));
+                result_.why_refined = fmt::format("interpolation leaves {}", rounded_percent(expected_));
                 return;
             }
             if (buys_too_little()) {
                 result_.why_refined = fmt::format(
                     "interpolation leaves {}, and more probes would hardly lower it: walls leak, or edges are sharp",
-                    percent(expected_));
+                    rounded_percent(expected_));
                 return;
             }
             const double known = interpolation();
@@ -351,7 +345,7 @@ class Pilot {
             const double before = divide_blocks(division);
             if (blocks_.size() == first) {
                 result_.why_refined = fmt::format("interpolation leaves {}: no probe or level is left to divide more",
-                                                  percent(expected_));
+                                                  rounded_percent(expected_));
                 return;
             }
             const double after = look(undivided(first), 8);
@@ -464,7 +458,7 @@ class Pilot {
             scale *= std::pow(beyond_law(scale * wanted.front()), 1 / law_.exponent);
         }
         for (const double rays : wanted) result_.samples.push_back(whole_replicates(scale * rays, most_samples));
-        result_.why_samples = fmt::format("for a noise of {} at points", percent(goal));
+        result_.why_samples = fmt::format("for a noise of {} at points", rounded_percent(goal));
     }
 
     const PathTracer& paths_;

@@ -1,6 +1,9 @@
 #include "probes/target.h"
 
+#include "core/sampling.h"
 #include "core/sh.h"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -41,6 +44,10 @@ double bias_goal(const Target& target, double rest) noexcept {
     return std::max(bias_share * target.error.value_or(default_error), noise_share * rest);
 }
 
+std::string rounded_percent(double share) {
+    return fmt::format("{:.2g} %", 100 * share);
+}
+
 double NoiseLaw::at(double other_samples) const noexcept {
     return variance * std::pow(static_cast<double>(samples) / other_samples, exponent);
 }
@@ -61,15 +68,13 @@ double relative_variance(const Gather& gather) noexcept {
 double variance_at(const PathTracer& paths, std::span<const glm::vec3> points, const GatherRays& rays,
                    std::uint32_t samples, std::uint64_t seed, PathCounts& counts) {
     const std::uint32_t replicates = GatherOptions{}.replicates;
-    const std::size_t count = std::min(pilot_points, points.size());
-    std::vector<glm::vec3> some;
-    for (std::size_t i = 0; i < count; ++i) some.push_back(points[i * points.size() / count]);
     GatherOptions options;
     options.replicates = pilot_replicates;
     options.samples = samples / replicates * pilot_replicates;
     options.seed = mix_bits(seed, samples);
     options.rays = rays;
-    return relative_variance(gather(paths, some, options, &counts)) * pilot_replicates / replicates;
+    return relative_variance(gather(paths, spread_over(points, pilot_points), options, &counts)) * pilot_replicates /
+           replicates;
 }
 
 NoiseLaw measure_noise(const PathTracer& paths, std::span<const glm::vec3> points, const GatherRays& rays,

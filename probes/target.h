@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 
 /// What a bake is to reach or may cost, and what that asks of its parts.
 namespace lightgrid {
@@ -37,6 +38,9 @@ inline constexpr double default_noise = 0.5 * default_error;
 /// What bias may be, certainly, before something is done about it (relRMSE): a quarter of the target, in squares.
 inline constexpr double bias_share = 0.5;
 [[nodiscard]] double bias_goal(const Target& target, double rest) noexcept;
+
+/// A share to two digits, as messages tell it: "1.7 %".
+[[nodiscard]] std::string rounded_percent(double share);
 
 /// Relative noise of gathers with GatherOptions' replicates, and how it falls as their rays grow.
 struct NoiseLaw {

@@ -310,9 +310,8 @@ int bake(const Call& call) {
     const Scene scene = call.level.empty() ? empty_scene() : load_level(call.level, {call.scene});
     std::vector<Stage> stages{{"load", watch.lap(), 0}};
     const Tracer tracer(scene);
-    const bool keeps = !call.keep_transport.empty();
     const PathTracer paths(tracer, light.environment,
-                           keeps ? separate_sources(scene, light.environment) : LightSources());
+                           options.keep_transport ? separate_sources(scene, light.environment) : LightSources());
     stages.push_back({"build", watch.lap(), 0});
     for (const std::string& notice : light.notices) messages.notice(notice);
     for (const std::string& notice : scene.notices) messages.notice(notice);
@@ -324,11 +323,12 @@ int bake(const Call& call) {
 
     ProgressLine line(messages);
     const auto progress = [&](const Doing& doing) { line.update(doing.stage, doing.share, doing.rays, doing.error); };
-    const std::uint64_t fingerprint = keeps ? transport_fingerprint(scene, options, LIGHTGRID_VERSION) : 0;
+    const std::uint64_t fingerprint =
+        options.keep_transport ? transport_fingerprint(scene, options, LIGHTGRID_VERSION) : 0;
     watch.lap();
     const std::optional<KeptTransport> kept =
-        keeps ? find_transport(call, fingerprint, light.environment, messages) : std::nullopt;
-    if (keeps) stages.push_back({"kept", watch.lap(), 0});
+        options.keep_transport ? find_transport(call, fingerprint, light.environment, messages) : std::nullopt;
+    if (options.keep_transport) stages.push_back({"kept", watch.lap(), 0});
     BakePlan plan = kept ? plan_of(*kept, scene) : plan_bake(paths, options, progress);
     line.finish();
     plan.stages.insert(plan.stages.begin(), stages.begin(), stages.end());
@@ -366,7 +366,7 @@ int bake(const Call& call) {
     print_result(messages, plan, result, output);
     if (result.kept) {
         messages.line("kept       " + call.keep_transport);
-    } else if (keeps && !kept) {
+    } else if (options.keep_transport && !kept) {
         messages.notice(fmt::format("{}: is not written: light was gathered by paths, which leave nothing to keep",
                                     call.keep_transport));
     }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -19,6 +20,12 @@ constexpr double share_worth_a_forecast = 0.02;
 
 double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// Nothing where rays are not counted while they are traced.
+std::string rate_text(std::uint64_t rays, double seconds) {
+    if (rays == 0) return "";
+    return fmt::format(", {:.2f} Mrays/s", static_cast<double>(rays) * 1e-6 / std::max(seconds, 1e-3));
 }
 
 }  // namespace
@@ -54,8 +61,8 @@ void ProgressLine::update(const std::string& stage, double share, std::uint64_t 
         draw(share, rays, so_far);
     } else if (static_cast<int>(share * 4) > quarters_) {
         quarters_ = static_cast<int>(share * 4);
-        messages_->line(fmt::format("{} {:.0f} %, {:.2f} Mrays/s{}", stage, 25.0 * quarters_,
-                                    static_cast<double>(rays) * 1e-6 / seconds_since(stage_start_), so_far));
+        messages_->line(fmt::format("{} {:.0f} %{}{}", stage, 25.0 * quarters_,
+                                    rate_text(rays, seconds_since(stage_start_)), so_far));
     }
 }
 
@@ -64,8 +71,8 @@ void ProgressLine::draw(double share, std::uint64_t rays, const std::string& err
     const int full = static_cast<int>(std::lround(share * bar_cells));
     const std::string left =
         share > share_worth_a_forecast ? ", " + duration_text(seconds / share * (1 - share)) + " left" : "";
-    fmt::print(stderr, "\r\x1b[K{} [{:#<{}}{:.<{}}] {:3.0f} %  {:.2f} Mrays/s{}{}", stage_, "", full, "",
-               bar_cells - full, 100 * share, static_cast<double>(rays) * 1e-6 / std::max(seconds, 1e-3), error, left);
+    fmt::print(stderr, "\r\x1b[K{} [{:#<{}}{:.<{}}] {:3.0f} %{}{}{}", stage_, "", full, "", bar_cells - full,
+               100 * share, rate_text(rays, seconds), error, left);
     std::fflush(stderr);
     drawn_ = true;
 }

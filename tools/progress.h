@@ -29,7 +29,7 @@ class ProgressLine {
   public:
     explicit ProgressLine(const Messages& messages) : messages_(&messages) {}
 
-    /// share in [0, 1]; rays so far in this stage; error: relRMSE so far, where it is known
+    /// share in [0, 1]; rays so far in this stage, 0: not known; error: relRMSE so far, where it is known
     void update(const std::string& stage, double share, std::uint64_t rays, std::optional<double> error = {});
     /// Removes the bar.
     void finish();

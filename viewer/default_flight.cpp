@@ -35,22 +35,6 @@ double eased(double t) {
     return most * (t - ramp / 2);
 }
 
-/// Mean over a few neighbours on both sides, and again: takes jumps out of what is followed with the eye.
-template <typename Value>
-void soften(std::vector<Value>& values, int reach) {
-    for (int round = 0; round < 2; ++round) {
-        const std::vector<Value> before = values;
-        const auto last = static_cast<std::ptrdiff_t>(values.size()) - 1;
-        for (std::ptrdiff_t i = 0; i <= last; ++i) {
-            Value sum{};
-            for (std::ptrdiff_t k = i - reach; k <= i + reach; ++k) {
-                sum += before[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(k, 0, last))];
-            }
-            values[static_cast<std::size_t>(i)] = sum / static_cast<float>(2 * reach + 1);
-        }
-    }
-}
-
 DefaultFlight turn_in_place(const Tracer& tracer, const LitVolume& volume) {
     const LookUp light = look_up(volume, Settings{});
     glm::dvec3 eye = tracer.scene().bounds.empty() ? glm::dvec3(0) : tracer.scene().bounds.center();

@@ -1,6 +1,7 @@
 #include "probes/bake.h"
 
 #include "tests/scene_builder.h"
+#include "tests/traced_level.h"
 
 #include <gtest/gtest.h>
 
@@ -10,13 +11,8 @@ namespace lightgrid {
 namespace {
 
 /// A room of 4 m, a lamp in a corner.
-struct Room {
-    Scene scene;
-    Environment sky;
-    Tracer tracer;
-    PathTracer paths;
-
-    Room() : scene(made()), tracer(scene), paths(tracer, sky) {}
+struct Room : TracedLevel {
+    Room() : TracedLevel(made()) {}
     static Scene made() {
         Scene room;
         const int wall = add_grey(room, 0.7F);

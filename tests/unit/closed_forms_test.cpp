@@ -5,6 +5,7 @@
 #include "probes/gather.h"
 #include "tests/polygon_light.h"
 #include "tests/scene_builder.h"
+#include "tests/traced_level.h"
 
 #include <fmt/format.h>
 #include <glm/gtc/constants.hpp>
@@ -17,18 +18,7 @@ namespace {
 
 constexpr double pi = glm::pi<double>();
 
-const Environment no_sky;
 const Environment white_sky = Environment::uniform(glm::vec3(1));
-
-struct Level {
-    Scene scene;
-    Environment sky;
-    Tracer tracer;
-    PathTracer paths;
-
-    explicit Level(Scene&& made, const Environment& under = no_sky)
-        : scene(std::move(made)), sky(under), tracer(scene), paths(tracer, sky) {}
-};
 
 GatherOptions options_for(std::vector<glm::vec3> normals, std::uint32_t samples = 65536) {
     GatherOptions options;
@@ -47,13 +37,14 @@ void expect_exact(const Estimate& ours, glm::dvec3 exact, const std::string& wha
     }
 }
 
-void expect_irradiance(const Level& level, glm::vec3 point, glm::vec3 normal, glm::dvec3 exact,
+void expect_irradiance(const TracedLevel& level, glm::vec3 point, glm::vec3 normal, glm::dvec3 exact,
                        const std::string& what) {
     const Gather light = gather(level.paths, {point}, options_for({normal}));
     expect_exact(light.irradiance[0], exact, what);
 }
 
-void expect_irradiance(const Level& level, glm::vec3 point, glm::vec3 normal, double exact, const std::string& what) {
+void expect_irradiance(const TracedLevel& level, glm::vec3 point, glm::vec3 normal, double exact,
+                       const std::string& what) {
     expect_irradiance(level, point, normal, glm::dvec3(exact), what);
 }
 
@@ -61,7 +52,7 @@ const std::vector<glm::vec3> some_normals = {
     {0, 1, 0}, {0, -1, 0}, {1, 0, 0}, glm::normalize(glm::vec3(1, 2, -2)), glm::normalize(glm::vec3(-3, -1, 1))};
 
 TEST(ClosedForms, UniformSkyGivesPi) {
-    const Level level({}, white_sky);
+    const TracedLevel level({}, white_sky);
     const Gather light = gather(level.paths, {{0.3F, -2, 7}}, options_for(some_normals));
     for (const Estimate& irradiance : light.irradiance) expect_exact(irradiance, glm::dvec3(pi), "uniform sky");
     expect_exact(light.sh(0)[0], glm::dvec3(2 * std::sqrt(pi)), "L_0");
@@ -80,7 +71,7 @@ TEST(ClosedForms, UpperHalfOfTheSkyLightsByTheCosineOfTheSlope) {
     add_quad(scene, black, {-2, -1, 3}, {0, 1, 0}, {4, 0, 0});
     add_quad(scene, black, {-2, -1, -3}, {0, 1, 0}, {0, 0, 6});
     add_quad(scene, black, {2, -1, -3}, {0, 0, 6}, {0, 1, 0});
-    const Level level(std::move(scene), white_sky);
+    const TracedLevel level(std::move(scene), white_sky);
     for (const double slope_deg : {0.0, 30.0, 77.0, 90.0, 130.0, 145.0}) {
         const double slope = glm::radians(slope_deg);
         const glm::vec3 normal(std::sin(slope) * 0.6, std::cos(slope), std::sin(slope) * 0.8);
@@ -95,7 +86,7 @@ TEST(ClosedForms, DirectionalLightWithAndWithoutAnOccluder) {
     scene.lights.push_back(directional_light({1, -2, 0.5F}, 1000));
     scene.lights[0].intensity = {1000, 500, 0};
     add_quad(scene, add_grey(scene, 0), {-1, 3, -1}, {0, 0, 2}, {2, 0, 0});
-    const Level level(std::move(scene));
+    const TracedLevel level(std::move(scene));
     const glm::vec3 towards = -level.scene.lights[0].direction;
     const glm::vec3 below_occluder = glm::vec3(0.1F, 3, 0.2F) - 3.0F * towards;
     const glm::vec3 beside = below_occluder + glm::vec3(2, 0, 0);
@@ -113,7 +104,7 @@ TEST(ClosedForms, PointLightFallsWithTheSquareOfTheDistanceUpToItsRange) {
     scene.lights.push_back(point_light({1, 2, 3}, 100));
     scene.lights.push_back(point_light({1, 2, 3}, 50));
     scene.lights[1].range = 8;
-    const Level level(std::move(scene));
+    const TracedLevel level(std::move(scene));
     for (const double distance : {1e-3, 1.0, 5.0, 7.9, 8.0, 100.0}) {
         const glm::dvec3 towards = glm::normalize(glm::dvec3(1, -2, 2));
         const glm::dvec3 point = glm::dvec3(1, 2, 3) - distance * towards;
@@ -139,7 +130,7 @@ TEST(ClosedForms, SpotLightFadesBetweenItsCones) {
     spot.position = {100, 4, 0};  // a cone without a soft rim
     spot.cos_inner = spot.cos_outer;
     scene.lights.push_back(spot);
-    const Level level(std::move(scene));
+    const TracedLevel level(std::move(scene));
     for (const double angle : {0.0, 0.2, 0.35, 0.5, 0.59, 0.61, 1.0, 3.0}) {
         const double distance = 4;
         const glm::dvec3 away(std::sin(angle), -std::cos(angle), 0);
@@ -161,7 +152,7 @@ TEST(ClosedForms, ALightInASurfaceLightsBothSidesOfIt) {
     add_quad(scene, add_grey(scene, 0), turned * glm::vec3(-1, 0.1F, -1), turned * glm::vec3(0, 0, 2),
              turned * glm::vec3(2, 0, 0));
     scene.lights.push_back(point_light(turned * glm::vec3(0.3F, 0.1F, -0.2F), 1));
-    const Level level(std::move(scene));
+    const TracedLevel level(std::move(scene));
     RandomStream random(1);
     for (int i = 0; i < 1000; ++i) {
         const glm::vec3 point = 3.0F * sphere_direction(random.next2());
@@ -179,7 +170,7 @@ TEST(ClosedForms, RectangularLampGivesLambertsFormula) {
     lamp.base_color = glm::vec3(0);
     lamp.emission = {10, 5, 1};
     add_quad(scene, add_material(scene, lamp), {-0.5F, 2, -1}, {1.5F, 0, 0}, {0, 0, 1});  // faces down
-    const Level level(std::move(scene));
+    const TracedLevel level(std::move(scene));
     const std::vector<glm::dvec3> corners = {{-0.5, 2, -1}, {1, 2, -1}, {1, 2, 0}, {-0.5, 2, 0}};
     for (const glm::dvec3 point : {glm::dvec3(0), glm::dvec3(0.2, 1.9, -0.4), glm::dvec3(4, -6, 3)}) {
         for (const glm::dvec3 normal : {glm::dvec3(0, 1, 0), glm::normalize(glm::dvec3(-0.2, 1, -0.1))}) {
@@ -202,7 +193,7 @@ TEST(ClosedForms, EmissionLeavesTheFrontSideOnlyUnlessDoubleSided) {
         lamp.emission = glm::vec3(1);
         lamp.double_sided = double_sided;
         add_quad(scene, add_material(scene, lamp), {-1, 2, -1}, {2, 0, 0}, {0, 0, 2});
-        const Level level(std::move(scene));
+        const TracedLevel level(std::move(scene));
         const double form = polygon_irradiance(corners, {0, 0, 0}, {0, 1, 0});
         expect_irradiance(level, {0, 0, 0}, {0, 1, 0}, form, "below");
         expect_irradiance(level, {0, 4, 0}, {0, -1, 0}, double_sided ? form : 0, "above");
@@ -214,7 +205,7 @@ TEST(ClosedForms, MirroredInstanceOfALampShinesTheOtherWay) {
     const int lamp = add_grey(scene, 0, 1);
     const int mesh = store_mesh(scene, lamp, {{-1, 0, -1}, {1, 0, -1}, {1, 0, 1}, {-1, 0, 1}}, {{0, 1, 2}, {0, 2, 3}});
     add_instance(scene, mesh, {{1, 0, 0}, {0, -1, 0}, {0, 0, 1}, {0, 2, 0}});  // faces down but for the mirroring
-    const Level level(std::move(scene));
+    const TracedLevel level(std::move(scene));
     const std::vector<glm::dvec3> corners = {{-1, 2, -1}, {1, 2, -1}, {1, 2, 1}, {-1, 2, 1}};
     expect_irradiance(level, {0, 0, 0}, {0, 1, 0}, 0, "below");
     expect_irradiance(level, {0, 4, 0}, {0, -1, 0}, polygon_irradiance(corners, {0, 0, 0}, {0, 1, 0}), "above");
@@ -230,7 +221,7 @@ TEST(ClosedForms, CoincidentLampsShineOnce) {
         add_quad(scene, lamp, {-1, 1, -1}, {2, 0, 0}, {0, 0, 2});
         add_quad(scene, lamp, {-1, 1, -1}, {2, 0, 0}, {0, 0, 2});
         if (turned_over) add_mesh(scene, lamp, scene.meshes[0].positions, {{2, 1, 0}, {3, 2, 0}});
-        const Level level(std::move(scene));
+        const TracedLevel level(std::move(scene));
         expect_irradiance(level, {0, 0, 0}, {0, 1, 0}, form, "below");
         expect_irradiance(level, {0, 2, 0}, {0, -1, 0}, turned_over ? form : 0, "above");
     }
@@ -242,7 +233,7 @@ TEST(ClosedForms, EmitterSamplesAndGatherRaysAloneAgree) {
     const int lamp = add_grey(scene, 0, 3);
     add_quad(scene, lamp, {-0.5F, 2, -1}, {1.5F, 0, 0}, {0, 0, 1});
     add_quad(scene, lamp, {1, 1, 1}, {0, 0, 1}, {0, 1, 0});
-    const Level level(std::move(scene));
+    const TracedLevel level(std::move(scene));
     const std::vector<std::vector<glm::dvec3>> lamps = {{{-0.5, 2, -1}, {1, 2, -1}, {1, 2, 0}, {-0.5, 2, 0}},
                                                         {{1, 1, 1}, {1, 1, 2}, {1, 2, 2}, {1, 2, 1}}};
     const glm::vec3 normal = glm::normalize(glm::vec3(0.3F, 1, 0.3F));
@@ -282,7 +273,7 @@ TEST(ClosedForms, WhiteFurnaceIsAsBrightAsItsSeries) {
     for (const float albedo : {0.0F, 0.3F, 0.5F, 0.8F}) {
         Scene scene;
         add_box(scene, add_grey(scene, albedo, 2), {-1, -2, -3}, {1, 1, 2}, Facing::inward);
-        const Level level(std::move(scene));
+        const TracedLevel level(std::move(scene));
         const double radiance = 2 / (1 - static_cast<double>(albedo));
         const Gather light = gather(level.paths, {{0.3F, 0.5F, -1}}, options_for(some_normals));
         for (const Estimate& irradiance : light.irradiance) {
@@ -298,7 +289,7 @@ TEST(ClosedForms, ColoursDoNotMix) {
     wall.base_color = {0.8F, 0.2F, 0};
     wall.emission = {1, 0, 5};
     add_box(scene, add_material(scene, wall), glm::vec3(-1), glm::vec3(1), Facing::inward);
-    const Level level(std::move(scene));
+    const TracedLevel level(std::move(scene));
     const Gather light = gather(level.paths, {{0, 0, 0}}, options_for({{0, 1, 0}}));
     expect_exact(light.irradiance[0], pi * glm::dvec3(5, 0, 5), "coloured furnace");
 }
@@ -322,7 +313,7 @@ TEST(ClosedForms, BlendCoverPassesOneMinusAlphaOfTheSky) {
     sides.erase(sides.begin() + 6, sides.begin() + 8);  // +y
     add_quad(scene, cover, {-1, 1, -1}, {0, 0, 2}, {2, 0, 0});
     scene.lights.push_back(directional_light({0, -1, 0}, 10));
-    const Level level(std::move(scene), white_sky);
+    const TracedLevel level(std::move(scene), white_sky);
     const std::vector<glm::dvec3> corners = {{-1, 1, -1}, {1, 1, -1}, {1, 1, 1}, {-1, 1, 1}};
     const double sky = polygon_irradiance(corners, {0, 0, 0}, {0, 1, 0});
     // Straight down through the middle of the pane, where its two triangles meet.
@@ -336,7 +327,7 @@ TEST(ClosedForms, BlendShellReflectsInsideWhatItDoesNotPass) {
     for (const float alpha : {0.25F, 0.9F}) {
         Scene scene;
         add_box(scene, add_material(scene, pane(0.8F, alpha)), {-1, -1, -2}, {1, 2, 1}, Facing::outward);
-        const Level level(std::move(scene), white_sky);
+        const TracedLevel level(std::move(scene), white_sky);
         const double radiance = (1 - double(alpha)) / (1 - double(alpha) * double(0.8F));
         expect_irradiance(level, {0, 0.5F, -0.3F}, some_normals[3], pi * radiance, fmt::format("alpha {}", alpha));
     }
@@ -347,7 +338,7 @@ TEST(ClosedForms, EmittingBlendSurfacesEmitTimesAlpha) {
     Material material = pane(0.5F, 0.4F);
     material.emission = glm::vec3(3);
     add_box(scene, add_material(scene, material), {-1, -1, -2}, {1, 2, 1}, Facing::inward);
-    const Level level(std::move(scene), white_sky);
+    const TracedLevel level(std::move(scene), white_sky);
     const double radiance = (0.6 + 0.4 * 3) / (1 - 0.4 * 0.5);
     expect_irradiance(level, {0, 0.5F, -0.3F}, some_normals[3], pi * radiance, "glowing shell");
 }
@@ -359,7 +350,7 @@ TEST(ClosedForms, TransmissionPassesTintedLightAndReflectsTheRest) {
     glass.base_color = {0.9F, 0.5F, 0.1F};
     glass.transmission = 0.6F;
     add_box(scene, add_material(scene, glass), {-1, -1, -2}, {1, 2, 1}, Facing::outward);
-    const Level level(std::move(scene), white_sky);
+    const TracedLevel level(std::move(scene), white_sky);
     const glm::dvec3 color(glass.base_color);
     const double t = glass.transmission;
     expect_irradiance(level, {0, 0.5F, -0.3F}, some_normals[3], pi * t * color / (1.0 - (1 - t) * color), "glass");
@@ -377,7 +368,7 @@ TEST(ClosedForms, MaskedHolesPassAllLight) {
     leaf.base_color_texture.texture = 0;
     const int mesh = add_quad(scene, add_material(scene, leaf), {-1, 1, -1}, {0, 0, 2}, {2, 0, 0});
     scene.meshes[mesh].uv_sets = {{{0, 0}, {0, 1}, {1, 1}, {1, 0}}};  // transparent where x > 0
-    const Level level(std::move(scene), white_sky);
+    const TracedLevel level(std::move(scene), white_sky);
     const std::vector<glm::dvec3> solid_half = {{-1, 1, -1}, {0, 1, -1}, {0, 1, 1}, {-1, 1, 1}};
     expect_irradiance(level, {0.2F, 0, 0}, {0, 1, 0},
                       pi - polygon_irradiance(solid_half, {double(0.2F), 0, 0}, {0, 1, 0}), "half a cover");
@@ -388,7 +379,7 @@ TEST(ClosedForms, BothSidesOfASurfaceReflect) {
     Scene scene;
     add_quad(scene, add_grey(scene, 0.5F), {-1, 2, -1}, {0, 0, 2}, {2, 0, 0});  // faces up
     scene.lights.push_back(directional_light({1, 1, 0}, 100));
-    const Level level(std::move(scene));
+    const TracedLevel level(std::move(scene));
     const std::vector<glm::dvec3> corners = {{-1, 2, -1}, {1, 2, -1}, {1, 2, 1}, {-1, 2, 1}};
     const double radiance = 0.5 * 100 * std::sqrt(0.5) / pi;
     expect_irradiance(level, {0.5F, 0, 0}, {0, 1, 0}, radiance * polygon_irradiance(corners, {0.5, 0, 0}, {0, 1, 0}),
@@ -410,7 +401,7 @@ TEST(ClosedForms, AFloorUnderThreeKindsOfLightsReflectsTheirSum) {
     spot.cos_outer = std::cos(0.5F);
     scene.lights.push_back(spot);
     scene.lights.push_back(point_light({0, -1, 0}, 1e6F));  // below: must not be seen through it
-    const Level level(std::move(scene));
+    const TracedLevel level(std::move(scene));
     const glm::dvec3 point(0.3, 1, -0.2);
     constexpr int cells = 400;
     double exact = 0;
@@ -438,7 +429,7 @@ TEST(ClosedForms, ADistantLightInThreeBandsPeaksAndRingsAsKnown) {
     // and the light; 1.0625 at c = 1, -0.0396 at c = -8/15 (122.2 degrees).
     Scene scene;
     scene.lights.push_back(directional_light(glm::vec3(0, -1, 0), 20));
-    const Level level(std::move(scene));
+    const TracedLevel level(std::move(scene));
     const Gather light = gather(level.paths, {{0, 0, 0}}, options_for({}, 64));
     std::vector<glm::vec3> sh;
     for (const Estimate& coefficient : light.sh(0)) sh.emplace_back(coefficient.mean);
@@ -463,12 +454,12 @@ TEST(ClosedForms, ADistantLightInThreeBandsPeaksAndRingsAsKnown) {
 }
 
 /// Lamp, sky and a pane in one, with a known irradiance.
-Level mixed_level() {
+TracedLevel mixed_level() {
     Scene scene;
     Material lamp = pane(0, 0.5F);
     lamp.emission = glm::vec3(40);
     add_quad(scene, add_material(scene, lamp), {-0.2F, 2, -0.3F}, {0.5F, 0, 0}, {0, 0, 0.4F});
-    return Level(std::move(scene), white_sky);
+    return TracedLevel(std::move(scene), white_sky);
 }
 double mixed_irradiance() {
     // The pane hides half of the sky behind it and adds half of its emission.
@@ -477,7 +468,7 @@ double mixed_irradiance() {
 }
 
 TEST(ClosedForms, StandardErrorsAreTheSpreadOfResultsOverSeeds) {
-    const Level level = mixed_level();
+    const TracedLevel level = mixed_level();
     const double exact = mixed_irradiance();
     constexpr int seeds = 400;
     double sum = 0;
@@ -505,7 +496,7 @@ TEST(ClosedForms, StandardErrorsAreTheSpreadOfResultsOverSeeds) {
 }
 
 TEST(ClosedForms, SeedsGiveDifferentResultsAndTheSameSeedTheSame) {
-    const Level level = mixed_level();
+    const TracedLevel level = mixed_level();
     GatherOptions options = options_for({{0, 1, 0}}, 256);
     const glm::dvec3 first = gather(level.paths, {{0, 0, 0}}, options).irradiance[0].mean;
     EXPECT_EQ(gather(level.paths, {{0, 0, 0}}, options).irradiance[0].mean, first);
@@ -546,7 +537,7 @@ TEST(ClosedForms, ResultsDoNotDependOnHowReplicatesAreDividedOrOnThreads) {
     options.replicates = 16;
     const auto run = [&](int threads, const std::vector<std::uint32_t>& parts) {
         const ThreadLimit limit(threads);
-        const Level level(busy_scene());
+        const TracedLevel level(busy_scene());
         GatherSums sums(level.paths, points, options);
         std::size_t last = 0;
         for (const std::uint32_t part : parts) {
@@ -566,7 +557,7 @@ TEST(ClosedForms, ResultsDoNotDependOnHowReplicatesAreDividedOrOnThreads) {
 
 TEST(ClosedForms, ManyPointsGiveWhatFewGive) {
     // More points than are spread over replicates: another way through the loop, the same numbers.
-    const Level level = mixed_level();
+    const TracedLevel level = mixed_level();
     GatherOptions options = options_for({}, 32);
     options.replicates = 4;
     std::vector<glm::vec3> points;
@@ -581,7 +572,7 @@ TEST(ClosedForms, ManyPointsGiveWhatFewGive) {
 }
 
 TEST(ClosedForms, OneNormalEachGivesEveryPointItsOwn) {
-    const Level level = mixed_level();
+    const TracedLevel level = mixed_level();
     GatherOptions options = options_for({{0, 1, 0}, {0, 0, 1}}, 1024);
     const std::vector<glm::vec3> points = {{0, 0, 0}, {1, 0, 1}};
     const Gather all = gather(level.paths, points, options);
@@ -595,7 +586,7 @@ TEST(ClosedForms, OneNormalEachGivesEveryPointItsOwn) {
 TEST(ClosedForms, ALimitOnBouncesCutsTheSeries) {
     Scene scene;
     add_box(scene, add_grey(scene, 0.5F, 1), glm::vec3(-1), glm::vec3(1), Facing::inward);
-    const Level level(std::move(scene));
+    const TracedLevel level(std::move(scene));
     const std::vector<glm::vec3> even = even_directions(4096);
     for (const std::uint32_t bounces : {0U, 1U, 2U}) {
         std::vector<LightSample> light;
@@ -608,8 +599,8 @@ TEST(ClosedForms, ALimitOnBouncesCutsTheSeries) {
 }
 
 TEST(ClosedForms, EstimatorsWithoutUseAreLeftOut) {
-    EXPECT_FALSE(Level({}).paths.estimators().sky);
-    const Level sky({}, white_sky);
+    EXPECT_FALSE(TracedLevel({}).paths.estimators().sky);
+    const TracedLevel sky({}, white_sky);
     EXPECT_TRUE(sky.paths.estimators().sky);
     EXPECT_FALSE(sky.paths.estimators().environment) << "nothing to gain from sampling a uniform sky";
     EXPECT_FALSE(sky.paths.estimators().reflection);
@@ -620,7 +611,7 @@ TEST(ClosedForms, EstimatorsWithoutUseAreLeftOut) {
     (void)gather(sky.paths, {{0, 0, 0}}, options, &counts);
     EXPECT_EQ(counts.rays, 64U);
     EXPECT_EQ(counts.shadow_rays, 0U);
-    const Level busy(busy_scene());
+    const TracedLevel busy(busy_scene());
     EXPECT_TRUE(busy.paths.estimators().reflection);
     EXPECT_TRUE(busy.paths.estimators().emitters);
     EXPECT_TRUE(busy.paths.estimators().lights);

@@ -7,6 +7,7 @@
 #include "probes/gather.h"
 #include "tests/polygon_light.h"
 #include "tests/scene_builder.h"
+#include "tests/traced_level.h"
 
 #include <fmt/format.h>
 #include <glm/gtc/constants.hpp>
@@ -20,18 +21,7 @@ namespace {
 
 constexpr double pi = glm::pi<double>();
 
-const Environment no_sky;
 const Environment white_sky = Environment::uniform(glm::vec3(1));
-
-struct Level {
-    Scene scene;
-    Environment sky;
-    Tracer tracer;
-    PathTracer paths;
-
-    explicit Level(Scene&& made, const Environment& under = no_sky)
-        : scene(std::move(made)), sky(under), tracer(scene), paths(tracer, sky) {}
-};
 
 const std::vector<glm::vec3> some_normals = {{0, 1, 0}, {0, -1, 0}, glm::normalize(glm::vec3(1, 2, -2))};
 
@@ -67,7 +57,7 @@ Scene furnace(float albedo) {
 TEST(SurfaceCache, WhiteFurnaceUpToTheHighestAlbedo) {
     int sweeps_at_99 = 0;
     for (const float albedo : {0.5F, 0.99F, 0.999F, 0.9999F}) {
-        const Level level(furnace(albedo));
+        const TracedLevel level(furnace(albedo));
         CacheOptions options;
         options.width = 0.25F;
         const auto points = lattice({-0.9F, -0.4F, -2.9F}, {0.9F, 0.9F, 1.9F}, {4, 4, 8});
@@ -91,7 +81,7 @@ TEST(SurfaceCache, GroundUnderASunInClosedForm) {
     const int mesh = add_quad(scene, add_grey(scene, 0), {-4, 0, -4}, {0, 0, 8}, {8, 0, 0});
     scene.materials[scene.meshes[mesh].material].base_color = {0.5F, 0.4F, 0};
     scene.lights.push_back(directional_light({1, -1, 0}, 3));
-    const Level level(std::move(scene));
+    const TracedLevel level(std::move(scene));
     const SurfaceCache cache =
         build_surface_cache(level.paths, lattice({-3, 0.2F, -3}, {3, 3, 3}, {6, 3, 6}), CacheOptions());
     GatherOptions options = options_for(cache, 16384);
@@ -115,7 +105,7 @@ TEST(SurfaceCache, PanesReflectAndPassOnlyTheirShare) {
         pane.alpha_mode = AlphaMode::blend;
         pane.alpha = alpha;
         add_box(scene, add_material(scene, pane), {-1, -1, -2}, {1, 2, 1}, Facing::outward);
-        const Level level(std::move(scene), white_sky);
+        const TracedLevel level(std::move(scene), white_sky);
         const SurfaceCache cache = build_surface_cache(
             level.paths, lattice({-0.9F, -0.9F, -1.9F}, {0.9F, 1.9F, 0.9F}, {4, 5, 5}), CacheOptions());
         const double exact = pi * (1 - double(alpha)) / (1 - double(alpha) * double(0.8F));
@@ -132,7 +122,7 @@ TEST(SurfaceCache, TintedGlassPassesItsColour) {
     glass.base_color = {0.9F, 0.5F, 0.1F};
     glass.transmission = 0.6F;
     add_box(scene, add_material(scene, glass), {-1, -1, -2}, {1, 2, 1}, Facing::outward);
-    const Level level(std::move(scene), white_sky);
+    const TracedLevel level(std::move(scene), white_sky);
     const SurfaceCache cache =
         build_surface_cache(level.paths, lattice({-0.9F, -0.9F, -1.9F}, {0.9F, 1.9F, 0.9F}, {4, 5, 5}), CacheOptions());
     const glm::dvec3 color(glm::vec3(0.9F, 0.5F, 0.1F));
@@ -174,7 +164,7 @@ RadianceImage sunny_image() {
 }
 
 TEST(SurfaceCache, AgreesWithPathsInAFurnishedRoom) {
-    const Level level(furnished_room(), Environment::from_image(sunny_image()));
+    const TracedLevel level(furnished_room(), Environment::from_image(sunny_image()));
     const auto points = lattice({-2.9F, 0.1F, -1.9F}, {2.9F, 2.8F, 1.9F}, {8, 4, 6});
     CacheOptions options;
     options.rays_per_probe = 256;  // few probes
@@ -200,7 +190,7 @@ TEST(SurfaceCache, AgreesWithPathsInAFurnishedRoom) {
 
 TEST(SurfaceCache, BiasIsMeasuredAsItIs) {
     // A cache of too few rays on patches as large as walls, against the difference of two long gathers.
-    const Level level(furnished_room(), Environment::from_image(sunny_image()));
+    const TracedLevel level(furnished_room(), Environment::from_image(sunny_image()));
     const auto points = lattice({-2.9F, 0.1F, -1.9F}, {2.9F, 2.8F, 1.9F}, {5, 3, 4});
     CacheOptions options;
     options.width = 2;
@@ -238,7 +228,7 @@ TEST(SurfaceCache, BiasIsMeasuredAsItIs) {
 
 TEST(SurfaceCache, BiasOfAFurnaceIsItsNoise) {
     // With emission and reflection the same everywhere, patches average nothing away.
-    const Level level(furnace(0.5F));
+    const TracedLevel level(furnace(0.5F));
     const auto points = lattice({-0.9F, -0.4F, -2.9F}, {0.9F, 0.9F, 1.9F}, {4, 4, 8});
     const SurfaceCache cache = build_surface_cache(level.paths, points, CacheOptions());
     const CacheBias bias = measure_bias(level.paths, cache, points, some_normals, {256, 5});
@@ -255,7 +245,7 @@ TEST(SurfaceCache, AWallOnAFloorKeepsLightOnItsSide) {
     add_box(scene, white, {-3, 0, -2}, {3, 2.5F, 2}, Facing::inward);
     add_box(scene, white, {0.1F, -0.1F, -2.1F}, {0.11F, 2.6F, 2.1F}, Facing::outward);
     scene.lights.push_back(point_light({-1.5F, 1.2F, 0.3F}, 100));
-    const Level level(std::move(scene));
+    const TracedLevel level(std::move(scene));
     auto points = lattice({-2.9F, 0.1F, -1.9F}, {0.05F, 2.4F, 1.9F}, {6, 5, 8});
     const std::size_t lit = points.size();
     for (const glm::vec3& p : lattice({0.15F, 0.1F, -1.9F}, {2.9F, 2.4F, 1.9F}, {6, 5, 8})) points.push_back(p);
@@ -278,7 +268,7 @@ TEST(SurfaceCache, AnyNumberOfThreadsGivesTheSameBits) {
     const auto points = lattice({-2.9F, 0.1F, -1.9F}, {2.9F, 2.8F, 1.9F}, {6, 4, 5});
     const auto run = [&](int threads) {
         const ThreadLimit limit(threads);
-        const Level level(furnished_room(), Environment::from_image(sunny_image()));
+        const TracedLevel level(furnished_room(), Environment::from_image(sunny_image()));
         const SurfaceCache cache = build_surface_cache(level.paths, points, CacheOptions());
         std::vector<double> values;
         for (const Estimate& e : gather(level.paths, points, options_for(cache, 256)).coefficients) {
@@ -292,12 +282,12 @@ TEST(SurfaceCache, AnyNumberOfThreadsGivesTheSameBits) {
 }
 
 TEST(SurfaceCache, NoPointsNoSurfacesNoLight) {
-    const Level empty({}, white_sky);
+    const TracedLevel empty({}, white_sky);
     const SurfaceCache nothing = build_surface_cache(empty.paths, std::vector<glm::vec3>{{0, 0, 0}}, CacheOptions());
     EXPECT_EQ(nothing.made().patches, 0U);
     EXPECT_NEAR(gather(empty.paths, {{0, 0, 0}}, options_for(nothing, 256)).irradiance[0].mean.x, pi, 0.02 * pi);
 
-    const Level dark(furnished_room());
+    const TracedLevel dark(furnished_room());
     const SurfaceCache unasked = build_surface_cache(dark.paths, {}, CacheOptions());
     EXPECT_EQ(unasked.made().patches, 0U);
     // Paths then answer for it.
