@@ -1,7 +1,8 @@
 #include "core/gltf.h"
-#include "probes/gather.h"
+#include "probes/bake.h"
 #include "probes/placement.h"
 #include "probes/sampler.h"
+#include "tests/cached_light.h"
 #include "tests/gltf_builder.h"
 #include "tests/numerics/naive_light.h"
 #include "tests/numerics/numerics_row.h"
@@ -27,29 +28,51 @@ GatherOptions options_for(glm::vec3 normal, std::uint32_t samples) {
     return options;
 }
 
-Gather light_at(const Scene& scene, const Environment& sky, glm::vec3 point, glm::vec3 normal,
-                std::uint32_t samples = 16384) {
-    const Tracer tracer(scene);
-    const PathTracer paths(tracer, sky);
-    PathCounts counts;
-    Gather light = gather(paths, {point}, options_for(normal, samples), &counts);
-    EXPECT_EQ(counts.dropped, 0U) << "samples that were not finite";
-    return light;
-}
+/// The same cases by paths and by the surface cache.
+class LightNumerics : public testing::TestWithParam<Method> {
+  protected:
+    /// patch  metres, the width of a cache's patches
+    [[nodiscard]] static Gather light_at(const Scene& scene, const Environment& sky, glm::vec3 point, glm::vec3 normal,
+                                         std::uint32_t samples = 16384, float patch = 0.25F) {
+        const Tracer tracer(scene);
+        const PathTracer paths(tracer, sky);
+        const GatherOptions options = options_for(normal, samples);
+        PathCounts counts;
+        const Gather light = GetParam() == Method::path
+                                 ? gather(paths, {point}, options, &counts)
+                                 : gather_by_cache(paths, {point}, {.width = patch}, options, &counts);
+        EXPECT_EQ(counts.dropped, 0U) << "samples that were not finite";
+        return light;
+    }
 
-double irradiance_at(const Scene& scene, const Environment& sky, glm::vec3 point, glm::vec3 normal,
-                     std::uint32_t samples = 16384) {
-    return light_at(scene, sky, point, normal, samples).irradiance[0].mean.x;
-}
+    [[nodiscard]] static double irradiance_at(const Scene& scene, const Environment& sky, glm::vec3 point,
+                                              glm::vec3 normal, std::uint32_t samples = 16384, float patch = 0.25F) {
+        return light_at(scene, sky, point, normal, samples, patch).irradiance[0].mean.x;
+    }
 
-/// A row whose value has a standard error: it may be off by three of them, and they are below half a percent.
-void estimate_row(const std::string& name, double exact, const Estimate& ours, const std::string& naive = "-") {
-    EXPECT_LE(ours.error.x, 0.005 * exact) << name;
-    numerics_row(name, exact, ours.mean.x, std::abs(ours.mean.x - exact) / exact,
-                 std::max(3 * ours.error.x / exact, 1e-5), naive);
-}
+    /// naive  what a textbook implementation gives, whatever our method
+    static void row(const std::string& name, double exact, double ours, double error, double tolerance,
+                    const std::string& naive = "-") {
+        if (GetParam() == Method::path) {
+            numerics_row(name, exact, ours, error, tolerance, naive);
+        } else {
+            numerics_row("by cache: " + name, exact, ours, error, tolerance);
+        }
+    }
 
-TEST(LightNumerics, WhiteFurnaceOfHighAlbedo) {
+    /// A row whose value has a standard error: it may be off by three of them, and they are below half a percent.
+    static void estimate_row(const std::string& name, double exact, const Estimate& ours,
+                             const std::string& naive = "-") {
+        EXPECT_LE(ours.error.x, 0.005 * exact) << name;
+        row(name, exact, ours.mean.x, std::abs(ours.mean.x - exact) / exact, std::max(3 * ours.error.x / exact, 1e-5),
+            naive);
+    }
+};
+
+INSTANTIATE_TEST_SUITE_P(, LightNumerics, testing::Values(Method::path, Method::cache),
+                         [](const auto& method) { return std::string(name_of(method.param)); });
+
+TEST_P(LightNumerics, WhiteFurnaceOfHighAlbedo) {
     for (const float albedo : {0.5F, 0.9F, 0.99F}) {
         Scene scene;
         add_box(scene, add_grey(scene, albedo, 1), {-1, -2, -3}, {1, 1, 2}, Facing::inward);
@@ -60,7 +83,7 @@ TEST(LightNumerics, WhiteFurnaceOfHighAlbedo) {
     }
 }
 
-TEST(LightNumerics, AlbedoZeroOneAndAbove) {
+TEST_P(LightNumerics, AlbedoZeroOneAndAbove) {
     // A convex body under a uniform sky of 1 has its albedo as radiance; inside a white bowl all is as bright as the
     // sky.
     for (const float albedo : {0.0F, 1.0F, 2.0F}) {
@@ -79,8 +102,8 @@ TEST(LightNumerics, AlbedoZeroOneAndAbove) {
         sides.erase(sides.begin() + 6, sides.begin() + 8);  // +y
         const double ours = irradiance_at(bowl, white_sky, {0, 0, 0}, {0, -1, 0});
         // Clamped to 0.9999, and a path is reflected some five times: 1e-3 too dark at most.
-        numerics_row(fmt::format("bowl of albedo {} under a sky of 1: E from below, lx", albedo), pi, ours,
-                     std::abs(ours / pi - 1), 1e-3);
+        row(fmt::format("bowl of albedo {} under a sky of 1: E from below, lx", albedo), pi, ours,
+            std::abs(ours / pi - 1), 1e-3);
     }
 }
 
@@ -101,18 +124,18 @@ const glm::vec3 room_point(-0.4F, -0.9F, 0.6F);
 const glm::vec3 room_normal = glm::normalize(glm::vec3(0.2F, 1, -0.3F));
 constexpr std::uint32_t room_samples = 32768;
 
-TEST(LightNumerics, TheSameLevelAtAnyScale) {
+TEST_P(LightNumerics, TheSameLevelAtAnyScale) {
     const Gather reference = light_at(room(1), no_sky, room_point, room_normal, room_samples);
     const Estimate& exact = reference.irradiance[0];
     for (const float scale : {1e-4F, 1e-2F, 1e2F, 1e4F}) {
         const Scene scene = room(scale);
-        const double ours = irradiance_at(scene, no_sky, scale * room_point, room_normal, room_samples);
+        const double ours = irradiance_at(scene, no_sky, scale * room_point, room_normal, room_samples, scale * 0.25F);
         const std::string naive =
             scale > 1e-3F ? "-"
                           : fmt::format("rays start 1 mm off a surface: {:.3g}",
                                         naive_irradiance(Tracer(scene), scale * room_point, room_normal, {}));
-        numerics_row(fmt::format("a room times {:g}, against itself times 1: E, lx", scale), exact.mean.x, ours,
-                     std::abs(ours / exact.mean.x - 1), 3 * exact.error.x / exact.mean.x, naive);
+        row(fmt::format("a room times {:g}, against itself times 1: E, lx", scale), exact.mean.x, ours,
+            std::abs(ours / exact.mean.x - 1), 3 * exact.error.x / exact.mean.x, naive);
     }
 }
 
@@ -142,7 +165,7 @@ GltfBuilder as_gltf(const Scene& scene, glm::dvec3 translation) {
     return builder;
 }
 
-TEST(LightNumerics, TheSameLevelFarAway) {
+TEST_P(LightNumerics, TheSameLevelFarAway) {
     // A doll's house of 40 x 30 x 50 cm, at the origin and 100 km from it.
     const glm::dvec3 away(1e5, -1e5, 1e5 + 0.3);
     const Scene doll = room(0.1F);
@@ -151,34 +174,33 @@ TEST(LightNumerics, TheSameLevelFarAway) {
         write_bytes(folder.path() / "moved.glb", as_gltf(doll, shift).glb());
         const Scene scene = load_level(folder.path() / "moved.glb");
         const glm::vec3 point(glm::dvec3(0.1F * room_point) + shift - scene.origin);
-        return light_at(scene, no_sky, point, room_normal, room_samples).irradiance[0];
+        return light_at(scene, no_sky, point, room_normal, room_samples, 0.025F).irradiance[0];
     };
     const Estimate exact = at(glm::dvec3(0));
     const Estimate ours = at(away);
     const Scene in_float = room(0.1F, glm::vec3(away));
     const double naive =
         irradiance_at(in_float, no_sky, 0.1F * room_point + glm::vec3(away), room_normal, room_samples);
-    numerics_row("a doll's house 1e5 m away, against itself at the origin: E, lx", exact.mean.x, ours.mean.x,
-                 std::abs(ours.mean.x / exact.mean.x - 1), 1e-4,
-                 fmt::format("world positions in float: {:.3g}", naive));
+    row("a doll's house 1e5 m away, against itself at the origin: E, lx", exact.mean.x, ours.mean.x,
+        std::abs(ours.mean.x / exact.mean.x - 1), 1e-4, fmt::format("world positions in float: {:.3g}", naive));
 }
 
-TEST(LightNumerics, LightFromFaintToBright) {
+TEST_P(LightNumerics, LightFromFaintToBright) {
     const double reference = irradiance_at(room(1), no_sky, room_point, room_normal, 4096);
     for (const float factor : {1e-8F, 1e-4F, 1e4F, 1e8F}) {
         Scene scene = room(1);
         scene.materials[1].emission *= factor;
         const double ours = irradiance_at(scene, no_sky, room_point, room_normal, 4096);
         const double exact = reference * factor;
-        numerics_row(fmt::format("light times {:g}, against light times 1: E, lx", factor), exact, ours,
-                     std::abs(ours / exact - 1), 1e-5);
+        row(fmt::format("light times {:g}, against light times 1: E, lx", factor), exact, ours,
+            std::abs(ours / exact - 1), 1e-5);
         const double under_sky = irradiance_at(scene, Environment::uniform(glm::vec3(factor)), {0, 10, 0}, {0, 1, 0});
-        numerics_row(fmt::format("sky of {:g} cd/m^2: E, lx", factor), pi * factor, under_sky,
-                     std::abs(under_sky / (pi * factor) - 1), 1e-4);
+        row(fmt::format("sky of {:g} cd/m^2: E, lx", factor), pi * factor, under_sky,
+            std::abs(under_sky / (pi * factor) - 1), 1e-4);
     }
 }
 
-TEST(LightNumerics, OneHotPixelInTheSky) {
+TEST_P(LightNumerics, OneHotPixelInTheSky) {
     constexpr int width = 1024;
     constexpr int height = 512;
     constexpr double dim = 0.01;
@@ -219,7 +241,7 @@ TEST(LightNumerics, OneHotPixelInTheSky) {
                  fmt::format("as many uniform directions: {:.3g}", naive));
 }
 
-TEST(LightNumerics, ATinyLampInALargeRoom) {
+TEST_P(LightNumerics, ATinyLampInALargeRoom) {
     Scene scene;
     add_box(scene, add_grey(scene, 0), glm::vec3(-5), glm::vec3(5), Facing::inward);
     add_quad(scene, add_grey(scene, 0, 1e9F), {1, 4.99F, 2}, {1e-3F, 0, 0}, {0, 0, 1e-3F});
@@ -234,7 +256,7 @@ TEST(LightNumerics, ATinyLampInALargeRoom) {
                              naive_irradiance(Tracer(scene), glm::vec3(point), glm::vec3(normal), {})));
 }
 
-TEST(LightNumerics, WallsOfOneMillimetre) {
+TEST_P(LightNumerics, WallsOfOneMillimetre) {
     // A lit and a dark room, and a tight box in the brightest of skies.
     Scene rooms;
     const int grey = add_grey(rooms, 0.8F);
@@ -242,17 +264,17 @@ TEST(LightNumerics, WallsOfOneMillimetre) {
     add_box(rooms, grey, {-5e-4F, -2.01F, -2.01F}, {5e-4F, 2.01F, 2.01F}, Facing::outward);
     add_quad(rooms, add_grey(rooms, 0, 1000), {-2, 1.9F, -1}, {1, 0, 0}, {0, 0, 1});
     const double dark = irradiance_at(rooms, no_sky, {0.01F, 0.3F, 0.2F}, {-1, 0, 0}, 65536);
-    numerics_row("dark room 1 cm behind a wall of 1 mm: E, lx", 0, dark, dark, 0);
+    row("dark room 1 cm behind a wall of 1 mm: E, lx", 0, dark, dark, 0);
 
     Scene box;
     const int paint = add_grey(box, 0.9F);
     add_box(box, paint, glm::vec3(-1), glm::vec3(1), Facing::inward);
     add_box(box, paint, glm::vec3(-1.001F), glm::vec3(1.001F), Facing::outward);
     const double inside = irradiance_at(box, Environment::uniform(glm::vec3(1e8F)), {0, 0, 0}, {0, 1, 0}, 65536);
-    numerics_row("box of 1 mm under a sky of 1e8: E inside, lx", 0, inside, inside, 0);
+    row("box of 1 mm under a sky of 1e8: E inside, lx", 0, inside, inside, 0);
 }
 
-TEST(LightNumerics, ProbesOnFacesEdgesAndVertices) {
+TEST_P(LightNumerics, ProbesOnFacesEdgesAndVertices) {
     Scene scene;
     add_box(scene, add_grey(scene, 0), glm::vec3(-1), glm::vec3(1), Facing::outward);
     const std::array<std::pair<const char*, glm::vec3>, 3> places = {
@@ -264,25 +286,9 @@ TEST(LightNumerics, ProbesOnFacesEdgesAndVertices) {
                      (1 - hidden) * 2 * std::sqrt(pi), light.sh(0)[0]);
         hidden /= 2;
     }
-    Volume volume = make_volume({{glm::dvec3(-2), glm::dvec3(1), glm::ivec3(5)}}, 1);
-    const Tracer tracer(scene);
-    const LightEvidence dark = {[](glm::vec3) { return false; }, true};
-    place_probes(volume, tracer, dark);
-    double on = 0;
-    double off = 0;
-    for (std::size_t slot = 0; slot < volume.slots(); ++slot) {
-        if (volume.states[slot] == ProbeState::absent) continue;
-        const glm::dvec3 place = glm::abs(lattice_position(volume, slot));
-        const glm::dvec3 moved = glm::abs(gather_position(volume, slot));
-        if (std::max({place.x, place.y, place.z}) != 1) continue;
-        ++on;
-        off += std::max({moved.x, moved.y, moved.z}) > 1.05 ? 1 : 0;
-    }
-    numerics_row("grid probes exactly on faces, edges and vertices: how many are moved off", on, off,
-                 std::abs(on - off), 0);
 }
 
-TEST(LightNumerics, TrianglesWithoutAreaSliversAndDuplicates) {
+TEST_P(LightNumerics, TrianglesWithoutAreaSliversAndDuplicates) {
     Scene scene;
     Material wall;
     wall.base_color = glm::vec3(0.5F);
@@ -306,7 +312,7 @@ TEST(LightNumerics, TrianglesWithoutAreaSliversAndDuplicates) {
                  light.irradiance[0]);
 }
 
-TEST(LightNumerics, HugeTrianglesBesideTinyOnes) {
+TEST_P(LightNumerics, HugeTrianglesBesideTinyOnes) {
     // Ground of 1e5 m with albedo one half under a sky of 1, a few tiny crates on it, a probe 1 cm above.
     std::size_t k = 0;
     for (const glm::mat3& turned : {glm::mat3(1), random_rotation(7)}) {
@@ -326,7 +332,7 @@ TEST(LightNumerics, HugeTrianglesBesideTinyOnes) {
     }
 }
 
-TEST(LightNumerics, OpenAndInvertedShells) {
+TEST_P(LightNumerics, OpenAndInvertedShells) {
     // Both sides of a surface reflect: a room lights its inside alike whichever way its walls are wound.
     Scene scene = room(1);
     const Gather proper = light_at(scene, no_sky, room_point, room_normal, room_samples);
@@ -335,8 +341,8 @@ TEST(LightNumerics, OpenAndInvertedShells) {
     }
     const double inverted = irradiance_at(scene, no_sky, room_point, room_normal, room_samples);
     const Estimate& exact = proper.irradiance[0];
-    numerics_row("room wound inside out, against the proper one: E, lx", exact.mean.x, inverted,
-                 std::abs(inverted / exact.mean.x - 1), 3 * exact.error.x / exact.mean.x);
+    row("room wound inside out, against the proper one: E, lx", exact.mean.x, inverted,
+        std::abs(inverted / exact.mean.x - 1), 3 * exact.error.x / exact.mean.x);
 
     Scene tray;
     const int mesh = add_box(tray, add_grey(tray, 0), {-1, -1, -1}, {1, 0, 1}, Facing::outward);
@@ -347,7 +353,28 @@ TEST(LightNumerics, OpenAndInvertedShells) {
                  light.irradiance[0]);
 }
 
-TEST(LightNumerics, CellsOfAspectAHundred) {
+TEST(Placement, ProbesOnFacesEdgesAndVerticesAreMoved) {
+    Scene scene;
+    add_box(scene, add_grey(scene, 0), glm::vec3(-1), glm::vec3(1), Facing::outward);
+    Volume volume = make_volume({{glm::dvec3(-2), glm::dvec3(1), glm::ivec3(5)}}, 1);
+    const Tracer tracer(scene);
+    const LightEvidence dark = {[](glm::vec3) { return false; }, true};
+    place_probes(volume, tracer, dark);
+    double on = 0;
+    double off = 0;
+    for (std::size_t slot = 0; slot < volume.slots(); ++slot) {
+        if (volume.states[slot] == ProbeState::absent) continue;
+        const glm::dvec3 place = glm::abs(lattice_position(volume, slot));
+        const glm::dvec3 moved = glm::abs(gather_position(volume, slot));
+        if (std::max({place.x, place.y, place.z}) != 1) continue;
+        ++on;
+        off += std::max({moved.x, moved.y, moved.z}) > 1.05 ? 1 : 0;
+    }
+    numerics_row("grid probes exactly on faces, edges and vertices: how many are moved off", on, off,
+                 std::abs(on - off), 0);
+}
+
+TEST(Interpolation, CellsOfAspectAHundred) {
     // Trilinear interpolation is exact for a linear function, in flat cells as in cubes.
     Grid grid;
     grid.origin = {1e5, 0, -1e5};
