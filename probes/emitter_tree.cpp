@@ -50,6 +50,14 @@ Cone cone_around(const Cone& a, const Cone& b) {
     return {std::cos(turn) * a.axis + std::sin(turn) / length * across, spread};
 }
 
+constexpr double one_below_one = 1 - 0x1p-53;
+
+/// Of nodes that are opened for a receiver.
+constexpr std::size_t least_opened = 16;
+constexpr std::size_t most_opened = 256;
+/// What of a node's light is uncertain where the receiver is in it, in terms of its light.
+constexpr float nearest = 4;
+
 }  // namespace
 
 struct EmitterTree::Bounds {
@@ -120,12 +128,16 @@ class EmitterTree::Builder {
         node.sin_spread = sine_of(node.cos_spread);
         node.power = static_cast<float>(bounds.power / total_power_);
         node.both_sides = bounds.both_sides;
-        if (items.size() == 1 || (items.size() <= most_in_leaf && node.cos_spread > least_cosine_in_leaf)) {
+        double largest = 0;
+        for (const Item& item : items) largest = std::max(largest, glm::length(item.bounds.max - item.bounds.min));
+        const bool together = glm::length(bounds.max - bounds.min) <= most_apart_in_leaf * largest;
+        if (items.size() == 1 || (items.size() <= most_in_leaf && node.cos_spread > least_cosine_in_leaf && together)) {
             node.count = static_cast<std::uint8_t>(items.size());
             node.next = static_cast<std::uint32_t>(tree_.leaves_.size());
             for (const Item& item : items) {
                 tree_.leaves_.push_back(item.emitter);
-                tree_.ways_[item.emitter] = {turns, static_cast<float>(item.bounds.power / bounds.power)};
+                tree_.ways_[item.emitter] = {turns, static_cast<std::uint32_t>(index),
+                                             static_cast<float>(item.bounds.power / bounds.power)};
             }
             return;
         }
@@ -182,6 +194,7 @@ class EmitterTree::Builder {
 
     static constexpr std::size_t most_in_leaf = 4;
     static constexpr float least_cosine_in_leaf = 0.9F;  // between their normals and the middle
+    static constexpr double most_apart_in_leaf = 2;      // across all, of the largest
     static constexpr std::size_t bucket_count = 12;
     static constexpr int most_uneven_levels = 32;  // then in halves: no path has more turns than a word has bits
 
@@ -223,9 +236,61 @@ float EmitterTree::share_of_first(std::uint32_t node, const Receiver& receiver) 
     return first + second > 0 ? first / (first + second) : -1.0F;
 }
 
+EmitterCut EmitterTree::open(const Receiver& receiver, std::uint32_t draws) const {
+    EmitterCut cut;
+    if (empty()) return cut;
+    struct Candidate {
+        float doubt = 0;  // how much of what it brings is uncertain
+        float brings = 0;
+        std::uint32_t node = 0;
+        int level = 0;
+
+        bool operator<(const Candidate& other) const { return doubt < other.doubt; }
+    };
+    const auto candidate = [&](std::uint32_t index, int level) {
+        const Node& node = nodes_[index];
+        const float brings = importance(node, receiver);
+        if (node.count != 0) return Candidate{0, brings, index, level};
+        const glm::vec3 way = node.center - receiver.position;
+        const float near = node.radius * node.radius / glm::dot(way, way);
+        return Candidate{brings * std::min(near, nearest), brings, index, level};
+    };
+    std::vector<Candidate> found{candidate(0, 0)};
+    const std::size_t most = std::clamp<std::size_t>(draws, least_opened, most_opened);
+    while (found.size() < most && found.front().doubt > 0) {
+        std::pop_heap(found.begin(), found.end());
+        const Candidate opened = found.back();
+        found.back() = candidate(opened.node + 1, opened.level + 1);
+        std::push_heap(found.begin(), found.end());
+        found.push_back(candidate(nodes_[opened.node].next, opened.level + 1));
+        std::push_heap(found.begin(), found.end());
+    }
+    std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.node < b.node; });
+    double sum = 0;
+    for (const Candidate& c : found) sum += c.brings;
+    cut.parts_.reserve(found.size());
+    double end = 0;
+    for (const Candidate& c : found) {
+        const float share = sum > 0 ? static_cast<float>(c.brings / sum) : 0;
+        end += share;
+        cut.parts_.push_back({c.node, c.level, share, end});
+    }
+    return cut;
+}
+
 EmitterTree::Draw EmitterTree::draw(const Receiver& receiver, double u) const noexcept {
     float probability = 1;
     std::uint32_t node = 0;
+    if (receiver.cut != nullptr) {
+        const std::vector<EmitterCut::Part>& parts = receiver.cut->parts_;
+        u *= parts.back().end;
+        const auto part = std::upper_bound(parts.begin(), parts.end(), u,
+                                           [](double value, const EmitterCut::Part& p) { return value < p.end; });
+        if (part == parts.end()) return {};
+        u = std::clamp((u - (part->end - part->share)) / part->share, 0.0, one_below_one);
+        probability = part->share;
+        node = part->node;
+    }
     while (nodes_[node].count == 0) {
         const float share = share_of_first(node, receiver);
         if (share < 0) return {};
@@ -246,9 +311,21 @@ EmitterTree::Draw EmitterTree::draw(const Receiver& receiver, double u) const no
 }
 
 float EmitterTree::probability(const Receiver& receiver, std::uint32_t emitter) const noexcept {
+    if (!(ways_[emitter].share > 0)) return 0;  // it has no power, and no way leads to it
     float probability = 1;
     std::uint32_t node = 0;
-    for (std::uint64_t turns = ways_[emitter].turns; nodes_[node].count == 0; turns >>= 1) {
+    std::uint64_t turns = ways_[emitter].turns;
+    if (receiver.cut != nullptr) {
+        const std::vector<EmitterCut::Part>& parts = receiver.cut->parts_;
+        const auto behind =
+            std::upper_bound(parts.begin(), parts.end(), ways_[emitter].leaf,
+                             [](std::uint32_t leaf, const EmitterCut::Part& p) { return leaf < p.node; });
+        const EmitterCut::Part& part = *std::prev(behind);
+        probability = part.share;
+        node = part.node;
+        turns >>= part.level;
+    }
+    for (; nodes_[node].count == 0; turns >>= 1) {
         const float share = share_of_first(node, receiver);
         if (share < 0) return 0;
         const bool second = (turns & 1) != 0;

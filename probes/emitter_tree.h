@@ -8,10 +8,13 @@
 
 namespace lightgrid {
 
+class EmitterCut;
+
 /// A point that light is collected at: from all sides, or from the half space that a normal points to.
 struct Receiver {
     glm::vec3 position{0};
-    glm::vec3 normal{0};  // unit length; 0: from all sides
+    glm::vec3 normal{0};              // unit length; 0: from all sides
+    const EmitterCut* cut = nullptr;  // made for this place, or none
 };
 
 /// Draws one of many small emitters in proportion to about what each may bring to a receiver, by power, distance and
@@ -20,6 +23,9 @@ struct Receiver {
 /// A binary tree whose nodes bound the places (by a sphere) and the normals (by a cone) of the emitters below; a draw
 /// goes down by the nodes' importance. A leaf holds a few that lie together and face the same way, such as the
 /// triangles of one lamp: among them power decides. Emitters that cannot bring anything may have probability 0.
+///
+/// Where many draws are for one receiver, the tree is opened for it once: what lies near is told apart before the first
+/// draw, not by bounds that are too wide to tell.
 ///
 /// Source: Estevez, Kulla, "Importance Sampling of Many Lights with Adaptive Tree Splitting", 2018.
 class EmitterTree {
@@ -40,6 +46,10 @@ class EmitterTree {
         std::uint32_t emitter = 0;
         float probability = 0;  // 0: none can bring anything
     };
+    /// Nodes that hold all emitters once, as many as pay where `draws` follow, the ones that may mislead most opened
+    /// first. Draws of receivers with it start there.
+    [[nodiscard]] EmitterCut open(const Receiver& receiver, std::uint32_t draws) const;
+
     /// u  in [0, 1), double: each level of the tree takes some of its bits. Not of an empty tree.
     [[nodiscard]] Draw draw(const Receiver& receiver, double u) const noexcept;
     /// Of drawing this emitter there: bit for bit what `draw` returns with it.
@@ -60,6 +70,7 @@ class EmitterTree {
     /// The way down to an emitter.
     struct Way {
         std::uint64_t turns = 0;  // bit k: at level k to the second child
+        std::uint32_t leaf = 0;   // index in nodes_
         float share = 0;          // of its leaf's power
     };
     struct Bounds;
@@ -72,6 +83,20 @@ class EmitterTree {
     std::vector<Node> nodes_;            // the root first
     std::vector<std::uint32_t> leaves_;  // emitters, leaf by leaf
     std::vector<Way> ways_;              // by emitter
+};
+
+/// A tree as one receiver sees it; see EmitterTree::open.
+class EmitterCut {
+  private:
+    friend EmitterTree;
+
+    struct Part {
+        std::uint32_t node = 0;  // in their order: what is below a node lies behind it and before the next
+        int level = 0;           // of the node
+        float share = 0;         // of all draws
+        double end = 0;          // sum of the shares up to its own
+    };
+    std::vector<Part> parts_;
 };
 
 }  // namespace lightgrid

@@ -32,6 +32,11 @@ class Emitters {
     [[nodiscard]] bool empty() const noexcept { return tree_.empty(); }
     [[nodiscard]] std::size_t size() const noexcept { return triangles_.size(); }
 
+    /// For a receiver that many samples are drawn for. Not where there are none to draw.
+    [[nodiscard]] EmitterCut open(const Receiver& receiver, std::uint32_t samples) const {
+        return tree_.open(receiver, samples);
+    }
+
     /// A point on an emitter, as seen from `receiver`. Both in [0, 1): `pick` chooses the triangle, `where` the place.
     [[nodiscard]] Sample sample(const Receiver& receiver, double pick, glm::vec2 where) const noexcept;
     /// Whether the side of an emitting triangle that a ray met emits.

@@ -101,7 +101,7 @@ void aim(const PathTracer& paths, glm::vec3 point, std::size_t index, std::uint6
     std::vector<LightSample> light;
     for (std::uint32_t r = 0; r < replicates; ++r) {
         light.clear();
-        paths.gather_lights(point, replicate_key(seed, index, r), count, rays_per_sample, sky, count, light, counts);
+        paths.gather_lights({point}, replicate_key(seed, index, r), count, rays_per_sample, sky, count, light, counts);
         for (const LightSample& sample : light) {
             out[sample.source].add(r, sample.direction, glm::dvec3(sample.radiance));
         }

@@ -42,7 +42,8 @@ void add(LightSample sample, float weight, std::vector<LightSample>& out, PathCo
 struct PathTracer::Vertex {
     glm::vec3 position{0};
     const Surface* surface = nullptr;
-    glm::vec3 normal{0};  // on the side of the path; 0 at a probe
+    glm::vec3 normal{0};              // on the side of the path; 0 at a probe
+    const EmitterCut* cut = nullptr;  // see Receiver
 
     /// Density with which the path goes on in `direction`, per steradian.
     [[nodiscard]] float pdf(glm::vec3 direction) const {
@@ -52,7 +53,7 @@ struct PathTracer::Vertex {
     /// What radiance from `direction` counts for: 1 at a probe; cosine / pi on a surface, whose albedo is in the
     /// throughput.
     [[nodiscard]] float response(glm::vec3 direction) const { return surface == nullptr ? 1.0F : pdf(direction); }
-    [[nodiscard]] Receiver receiver() const { return {position, normal}; }
+    [[nodiscard]] Receiver receiver() const { return {position, normal, cut}; }
     [[nodiscard]] glm::vec3 origin(glm::vec3 direction) const {
         return surface == nullptr ? position : surface->leave(direction);
     }
@@ -242,10 +243,10 @@ void PathTracer::look_along(const Receiver& from, glm::vec3 origin, glm::vec3 di
     }
 }
 
-void PathTracer::direct_light(const Surface& surface, glm::vec3 normal, std::uint64_t key, std::uint32_t i,
+void PathTracer::direct_light(const Surface& surface, const Receiver& at, std::uint64_t key, std::uint32_t i,
                               std::uint32_t count, float rays_per_sample, const SkyLight& sky,
                               std::span<glm::vec3> light, PathCounts& counts) const {
-    const Vertex vertex{surface.position, &surface, normal};
+    const Vertex vertex{at.position, &surface, at.normal, at.cut};
     const float share = 1 / static_cast<float>(count);
     const auto add_finite = [&](const LightSample& sample) {
         if (is_finite(sample.radiance)) {
@@ -351,7 +352,8 @@ glm::vec3 PathTracer::radiance_along(glm::vec3 origin, glm::vec3 direction, Hit 
 void PathTracer::gather(glm::vec3 point, std::uint64_t key, std::span<const glm::vec3> even,
                         std::vector<LightSample>& out, PathCounts& counts, const GatherRays& rays) const {
     if (rays.cache != nullptr) return gather_cached(point, key, even, out, counts, rays);
-    const Vertex probe{point, nullptr, {}};
+    const EmitterCut cut = emitters_.open({point}, static_cast<std::uint32_t>(even.size()));
+    const Vertex probe{point, nullptr, {}, &cut};
     const float share = 1 / static_cast<float>(even.size());
     const glm::mat3 rotation = random_rotation(mix_bits(key, turning));
     for (std::uint32_t i = 0; i < even.size(); ++i) {
@@ -362,7 +364,7 @@ void PathTracer::gather(glm::vec3 point, std::uint64_t key, std::span<const glm:
         ++counts.rays;
         const Hit hit = tracer_->closest_hit(point, direction);
         add({direction,
-             radiance_along(point, direction, hit, {{point, {}}, uniform_sphere_pdf}, dimensions, counts, rays)},
+             radiance_along(point, direction, hit, {probe.receiver(), uniform_sphere_pdf}, dimensions, counts, rays)},
             share / uniform_sphere_pdf, out, counts);
     }
 }
@@ -373,7 +375,9 @@ void PathTracer::gather_cached(glm::vec3 point, std::uint64_t key, std::span<con
     const auto count = static_cast<std::uint32_t>(even.size());
     const std::uint32_t emitter_samples = std::max(1U, count / rays.rays_per_emitter_sample);
     const float emitter_samples_per_ray = static_cast<float>(emitter_samples) / static_cast<float>(count);
-    gather_lights(point, key, emitter_samples, 1 / emitter_samples_per_ray, sky,
+    const EmitterCut cut = emitters_.open({point}, emitter_samples);
+    const Receiver at{point, {}, &cut};
+    gather_lights(at, key, emitter_samples, 1 / emitter_samples_per_ray, sky,
                   std::max(1U, count / rays.rays_per_sky_sample), out, counts);
 
     // Step by step for all rays, because what is read at random places of memory is then waited for together.
@@ -399,18 +403,17 @@ void PathTracer::gather_cached(glm::vec3 point, std::uint64_t key, std::span<con
             out.push_back({direction, share * *known[i]});
         } else {
             Dimensions dimensions(key, i);
-            add({direction,
-                 radiance_along(point, direction, hits[i], {{point, {}}, uniform_sphere_pdf, emitter_samples_per_ray},
-                                dimensions, counts, rays)},
+            add({direction, radiance_along(point, direction, hits[i], {at, uniform_sphere_pdf, emitter_samples_per_ray},
+                                           dimensions, counts, rays)},
                 share, out, counts);
         }
     }
 }
 
-void PathTracer::gather_lights(glm::vec3 point, std::uint64_t key, std::uint32_t emitter_samples,
+void PathTracer::gather_lights(const Receiver& at, std::uint64_t key, std::uint32_t emitter_samples,
                                float rays_per_emitter_sample, const SkyLight& sky, std::uint32_t sky_samples,
                                std::vector<LightSample>& out, PathCounts& counts) const {
-    const Vertex probe{point, nullptr, {}};
+    const Vertex probe{at.position, nullptr, {}, at.cut};
     const std::uint64_t lights_key = mix_bits(key, lighting);  // so that these are stratified by themselves
     for (std::uint32_t i = 0; i < emitter_samples && use_.emitters; ++i) {
         Dimensions dimensions(lights_key, i);

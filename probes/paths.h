@@ -88,13 +88,14 @@ class PathTracer {
     void gather(glm::vec3 point, std::uint64_t key, std::span<const glm::vec3> even, std::vector<LightSample>& out,
                 PathCounts& counts, const GatherRays& rays = {}) const;
 
-    /// The part of the light at `point` that samples aimed at emitters and sky bring where gather rays read a cache.
+    /// The part of the light at a probe that samples aimed at emitters and sky bring where gather rays read a cache.
     /// Appended to `out`.
     ///
+    /// at  the same for look_along, so that the weights of both add up
     /// rays_per_emitter_sample  rays of look_along for each sample of emitters, in whose weights they count; 0: none
-    void gather_lights(glm::vec3 point, std::uint64_t key, std::uint32_t emitter_samples, float rays_per_emitter_sample,
-                       const SkyLight& sky, std::uint32_t sky_samples, std::vector<LightSample>& out,
-                       PathCounts& counts) const;
+    void gather_lights(const Receiver& at, std::uint64_t key, std::uint32_t emitter_samples,
+                       float rays_per_emitter_sample, const SkyLight& sky, std::uint32_t sky_samples,
+                       std::vector<LightSample>& out, PathCounts& counts) const;
 
     /// Light straight from punctual lights: one shadow ray each, exact. Appended to `out`.
     void gather_punctual(glm::vec3 point, std::vector<LightSample>& out, PathCounts& counts) const;
@@ -112,10 +113,11 @@ class PathTracer {
     /// and punctual lights, for `rays_per_sample` cosine-weighted rays of look_along each. The mean radiance that a
     /// white surface would reflect (irradiance / pi) is added to `light`, by source.
     ///
-    /// normal  of the side, unit length
+    /// at      the surface's place, and the normal of the side; the same for look_along, so that the weights of both add up
     /// key     picks the random numbers; all samples of one key are stratified together
-    void direct_light(const Surface& surface, glm::vec3 normal, std::uint64_t key, std::uint32_t i, std::uint32_t count,
-                      float rays_per_sample, const SkyLight& sky, std::span<glm::vec3> light, PathCounts& counts) const;
+    void direct_light(const Surface& surface, const Receiver& at, std::uint64_t key, std::uint32_t i,
+                      std::uint32_t count, float rays_per_sample, const SkyLight& sky, std::span<glm::vec3> light,
+                      PathCounts& counts) const;
 
     /// What the side that a ray met reflects towards it, estimated by the i-th path of a key: unbiased, the truth that a
     /// cache is measured against.

@@ -228,7 +228,9 @@ class SurfaceFinder {
         const std::uint32_t lights = options_.light_samples;
         const float rays_per_light = static_cast<float>(transport_.rays) / static_cast<float>(lights);
         std::vector<glm::vec3> light(sources_);
-        paths_.direct_light(surface, normal, mix_bits(mix_bits(options_.seed, patch), lighting), rank, lights,
+        const EmitterCut cut = paths_.emitters().open({surface.position, normal}, lights);
+        const Receiver at{surface.position, normal, &cut};
+        paths_.direct_light(surface, at, mix_bits(mix_bits(options_.seed, patch), lighting), rank, lights,
                             rays_per_light, sky_, light, counts);
         for (std::size_t s = 0; s < sources_; ++s) light_[index * sources_ + s].sampled = light[s];
         std::fill(light.begin(), light.end(), glm::vec3(0));
@@ -238,8 +240,7 @@ class SurfaceFinder {
             const glm::vec3 direction = rays.direction(normal, rank, r);
             const glm::vec3 origin = surface.leave(direction);
             met.clear();
-            paths_.look_along({surface.position, normal}, origin, direction, 1 / rays_per_light, sky_, light, met,
-                              counts);
+            paths_.look_along(at, origin, direction, 1 / rays_per_light, sky_, light, met, counts);
             for (const Met& m : met) {
                 if (!m.hit.found()) {
                     if (m.share == glm::vec3(1)) {
@@ -348,9 +349,10 @@ std::vector<glm::dvec3> trace_direct(const PathTracer& paths, const Transport& t
             if (places[s].albedo == glm::vec3(0)) continue;
             const Surface surface = paths.tracer().surface(places[s].hit, places[s].direction);
             const glm::vec3 normal = side_normal(surface);
+            const EmitterCut cut = paths.emitters().open({surface.position, normal}, options.light_samples);
             glm::vec3 sampled(0);
-            paths.direct_light(surface, normal, key, s - begin, options.light_samples, 0, sky, {&sampled, 1},
-                               counted[patch]);
+            paths.direct_light(surface, {surface.position, normal, &cut}, key, s - begin, options.light_samples, 0, sky,
+                               {&sampled, 1}, counted[patch]);
             direct[patch] += glm::dvec3(places[s].albedo * sampled);
             if (sky.is_black()) continue;
             glm::vec3 from_rays(0);

@@ -61,10 +61,37 @@ std::vector<Receiver> some_receivers() {
     return receivers;
 }
 
+/// Calls `check` with all receivers, as they are and with the tree opened for few draws and for many.
+template <class Check>
+void check_receivers(const EmitterTree& tree, Check&& check) {
+    for (Receiver receiver : some_receivers()) {
+        check(receiver);
+        for (const std::uint32_t draws : {1U, 1024U}) {
+            const EmitterCut cut = tree.open(receiver, draws);
+            receiver.cut = &cut;
+            check(receiver);
+        }
+    }
+}
+
+/// Second moment of one draw's estimate of what all bring, relative to the square of that; 0 where nothing does.
+double relative_moment(const EmitterTree& tree, const std::vector<EmitterTree::Emitter>& emitters,
+                       const Receiver& receiver) {
+    double sum = 0;
+    double moment = 0;
+    for (std::uint32_t i = 0; i < emitters.size(); ++i) {
+        const double value = brought(emitters[i], receiver);
+        if (!(value > 0)) continue;
+        sum += value;
+        moment += value * value / tree.probability(receiver, i);
+    }
+    return sum > 0 ? moment / (sum * sum) : 0;
+}
+
 TEST(EmitterTree, ProbabilitiesAddUpToOne) {
     for (const std::size_t count : {1, 2, 3, 10, 1000}) {
         const EmitterTree tree(many_emitters(count));
-        for (const Receiver& receiver : some_receivers()) {
+        check_receivers(tree, [&](const Receiver& receiver) {
             const double sum = sum_of_probabilities(tree, receiver, count);
             // Nothing is drawn where a draw has gone down to two that cannot bring anything.
             EXPECT_LE(sum, 1 + 1e-5) << count;
@@ -72,7 +99,7 @@ TEST(EmitterTree, ProbabilitiesAddUpToOne) {
             constexpr int draws = 4096;
             for (int i = 0; i < draws; ++i) lost += tree.draw(receiver, (i + 0.5) / draws).probability > 0 ? 0 : 1;
             EXPECT_NEAR(sum, 1 - lost / draws, 2e-2) << count;
-        }
+        });
     }
 }
 
@@ -80,7 +107,7 @@ TEST(EmitterTree, DrawsAsOftenAsItSaysAndSaysTheSameAgain) {
     const std::vector<EmitterTree::Emitter> emitters = many_emitters(40);
     const EmitterTree tree(emitters);
     constexpr int draws = 1 << 16;
-    for (const Receiver& receiver : some_receivers()) {
+    check_receivers(tree, [&](const Receiver& receiver) {
         std::vector<double> counts(emitters.size());
         for (int i = 0; i < draws; ++i) {
             const EmitterTree::Draw draw = tree.draw(receiver, (i + 0.5) / draws);
@@ -91,20 +118,20 @@ TEST(EmitterTree, DrawsAsOftenAsItSaysAndSaysTheSameAgain) {
         // Evenly spaced numbers: an emitter's share of [0, 1) is one interval.
         for (std::uint32_t i = 0; i < emitters.size(); ++i)
             EXPECT_NEAR(counts[i], draws * double(tree.probability(receiver, i)), 1.01) << i;
-    }
+    });
 }
 
 TEST(EmitterTree, NothingThatBringsLightIsLeftOut) {
     const std::vector<EmitterTree::Emitter> emitters = many_emitters(1000);
     const EmitterTree tree(emitters);
     int bringing = 0;
-    for (const Receiver& receiver : some_receivers()) {
+    check_receivers(tree, [&](const Receiver& receiver) {
         for (std::uint32_t i = 0; i < emitters.size(); ++i) {
             if (!(brought(emitters[i], receiver) > 0)) continue;
             ++bringing;
             EXPECT_GT(tree.probability(receiver, i), 0) << i;
         }
-    }
+    });
     EXPECT_GT(bringing, 1000);
 }
 
@@ -116,23 +143,43 @@ TEST(EmitterTree, FollowsWhatEmittersBringBetterThanPowerDoes) {
     double by_tree = 0;
     double by_power = 0;
     for (const Receiver& receiver : some_receivers()) {
-        // Second moments of one draw's estimate of what all bring, relative to the square of that.
         double sum = 0;
-        double tree_moment = 0;
-        double power_moment = 0;
-        for (std::uint32_t i = 0; i < emitters.size(); ++i) {
-            const double value = brought(emitters[i], receiver);
-            if (!(value > 0)) continue;
+        double moment = 0;
+        for (const EmitterTree::Emitter& emitter : emitters) {
+            const double value = brought(emitter, receiver);
             sum += value;
-            tree_moment += value * value / tree.probability(receiver, i);
-            power_moment += value * value / (emitters[i].power / all_power);
+            moment += value * value / (emitter.power / all_power);
         }
         if (sum == 0) continue;  // it looks away from all
-        EXPECT_LT(tree_moment, power_moment);
-        by_tree += tree_moment / (sum * sum);
-        by_power += power_moment / (sum * sum);
+        const double tree_moment = relative_moment(tree, emitters, receiver);
+        EXPECT_LT(tree_moment, moment / (sum * sum));
+        by_tree += tree_moment;
+        by_power += moment / (sum * sum);
     }
     EXPECT_LT(by_tree, 0.3 * by_power);  // normals anywhere are the hardest case
+}
+
+TEST(EmitterTree, OpenedItFollowsWhatEmittersBringMoreClosely) {
+    // A ceiling of lamps that face down, seen from near below: bounds of what is close tell least.
+    RandomStream random(8);
+    std::vector<EmitterTree::Emitter> lamps;
+    for (int i = 0; i < 10000; ++i) {
+        const glm::vec2 place = 10.0F * random.next2();
+        lamps.push_back(small_emitter({place.x, 3, place.y}, {0, -1, 0}));
+    }
+    const EmitterTree tree(lamps);
+    for (const float below : {0.3F, 1.0F, 2.5F}) {
+        Receiver receiver{{5, 3 - below, 4}, {}};
+        const double as_it_is = relative_moment(tree, lamps, receiver) - 1;
+        const EmitterCut few = tree.open(receiver, 16);
+        receiver.cut = &few;
+        const double with_few = relative_moment(tree, lamps, receiver) - 1;
+        const EmitterCut many = tree.open(receiver, 1024);
+        receiver.cut = &many;
+        const double with_many = relative_moment(tree, lamps, receiver) - 1;
+        EXPECT_LT(with_few, 0.9 * as_it_is) << below;
+        EXPECT_LT(with_many, 0.3 * as_it_is) << below;
+    }
 }
 
 TEST(EmitterTree, TheNearOneOfTwoIsDrawnByInverseSquares) {
@@ -201,6 +248,13 @@ TEST(EmitterTree, WithoutPowerThereIsNoTree) {
     EXPECT_EQ(tree.probability(receiver, 0), 0);
     EXPECT_EQ(tree.draw(receiver, 0).emitter, 1U);
     EXPECT_EQ(tree.draw(receiver, 0.999999).emitter, 1U);
+}
+
+TEST(EmitterTree, WhatHasNoPowerHasNoProbability) {
+    std::vector<EmitterTree::Emitter> emitters = many_emitters(100);
+    emitters[7].power = 0;
+    const EmitterTree tree(emitters);
+    check_receivers(tree, [&](const Receiver& receiver) { EXPECT_EQ(tree.probability(receiver, 7), 0); });
 }
 
 }  // namespace
