@@ -20,6 +20,7 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -30,10 +31,10 @@ using namespace gltf;
 
 LoadedMaterials load_used_materials(const Document& document, const std::vector<Shape>& shapes, Scene& scene,
                                     Notices& notices) {
-    std::vector<bool> used(document.model().materials.size() + 1, false);
+    std::set<MaterialUse> used;
     for (const Shape& shape : shapes)
         for (const tinygltf::Primitive& primitive : document.mesh(shape.key.mesh).primitives)
-            if (makes_triangles(primitive)) used[LoadedMaterials::slot_of(primitive.material)] = true;
+            if (makes_triangles(primitive)) used.insert(material_use(document, primitive.material, shape.key.group));
     return load_materials(document, used, scene, notices);
 }
 
@@ -65,7 +66,8 @@ std::vector<Part> load_parts(const Document& document, const std::vector<Shape>&
             part.shape = i;
             part.request.mesh = shape.key.mesh;
             part.request.primitive = static_cast<int>(j);
-            part.request.material = materials.index_of(primitives[j].material);
+            part.request.material =
+                materials.indices.at(material_use(document, primitives[j].material, shape.key.group));
             part.request.uv_sets = uv_sets_of(scene.materials[static_cast<std::size_t>(part.request.material)]);
             part.request.weights = shape.key.weights;
             part.request.skin = shape.skin;
@@ -151,7 +153,7 @@ Scene read_scene(const Document& document, const LoadOptions& options) {
     check_extensions(document, notices);
     const int chosen = choose_scene(document, options.scene);
     if (chosen < 0) notices.add("", "the file has no scene: all its nodes are the level");
-    const std::vector<PlacedNode> nodes = place_nodes(document, chosen);
+    const std::vector<PlacedNode> nodes = place_nodes(document, chosen, scene.groups);
     std::vector<std::optional<glm::dmat4>> node_transforms(document.model().nodes.size());
     for (const PlacedNode& node : nodes) node_transforms[static_cast<std::size_t>(node.index)] = node.transform;
     read_markers(document, nodes, scene, notices);

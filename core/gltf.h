@@ -24,6 +24,8 @@ struct LoadOptions {
 /// Lights      KHR_lights_punctual.
 /// Markers     nodes with extras {"lightgrid": "volume"} or {"lightgrid": "probe"}; their meshes are no part of the
 ///             level.
+/// Groups      nodes with extras {"lightgrid": {"group": "NAME"}}: lights and emissive meshes there and below belong to
+///             it, but for those that are nearer to another group's node.
 ///
 /// Only what light paths read is converted, and what turns out to make no difference is left out (Scene::left_out).
 /// What was ignored, clamped or repaired, and what is broken where no light path reads it, is named in Scene::notices.

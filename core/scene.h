@@ -58,6 +58,7 @@ struct Material {
     glm::vec3 emission{0};            // radiance, cd/m^2, factor and strength together
     TextureUse emission_texture;      // sRGB
     bool double_sided = false;        // emits from both sides
+    int group = -1;                   // of what it emits: index in Scene::groups; -1: none
 
     [[nodiscard]] bool emits() const { return emission != glm::vec3(0); }
     /// Light may pass through: MASK, BLEND or transmission.
@@ -106,6 +107,7 @@ struct Light {
     float range = std::numeric_limits<float>::infinity();
     float cos_inner = 1;
     float cos_outer = 0.70710678F;
+    int group = -1;  // index in Scene::groups; -1: none
 };
 
 /// A decision not to load, trace or store something, and why.
@@ -126,6 +128,7 @@ struct Scene {
     std::vector<Material> materials;  // at least one
     std::vector<Texture> textures;
     std::vector<Light> lights;
+    std::vector<std::string> groups;        // of lights: node extras {"lightgrid": {"group": "NAME"}}, in order of use
     std::vector<Box> volume_markers;        // node extras {"lightgrid": "volume"}, level coordinates
     std::vector<glm::dvec3> probe_markers;  // node extras {"lightgrid": "probe"}, level coordinates
     std::vector<std::string> notices;       // for the user: what was ignored, clamped or repaired, by name

@@ -54,6 +54,7 @@ void read_lights(const Document& document, const std::vector<PlacedNode>& nodes,
             const tinygltf::Light& source = document.light(extension->Get("light").GetNumberAsInt());
             Light light = read_light(source, placed, scene.origin);
             light.name = node.name.empty() ? source.name : node.name;
+            light.group = placed.group;
             if (light.kind == LightKind::spot && source.spot.innerConeAngle >= source.spot.outerConeAngle)
                 notices.add(place, "the inner cone of its light is not inside the outer one: its edge is sharp");
             if (light.intensity == glm::vec3(0))

@@ -23,8 +23,13 @@ std::vector<glm::vec3> vertices_of(const Document& document, const tinygltf::Nod
 }  // namespace
 
 Marker marker_of(const tinygltf::Node& node) {
-    if (!node.extras.Has("lightgrid")) return Marker::none;
+    if (!node.extras.Has("lightgrid") || !node.extras.Get("lightgrid").IsString()) return Marker::none;
     return node.extras.Get("lightgrid").Get<std::string>() == "volume" ? Marker::volume : Marker::probe;
+}
+
+std::string group_name_of(const tinygltf::Node& node) {
+    if (!node.extras.Has("lightgrid") || !node.extras.Get("lightgrid").Has("group")) return {};
+    return node.extras.Get("lightgrid").Get("group").Get<std::string>();
 }
 
 void read_markers(const Document& document, const std::vector<PlacedNode>& nodes, Scene& scene, Notices& notices) {

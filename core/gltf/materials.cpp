@@ -68,6 +68,11 @@ glm::mat3x2 transform_of(const tinygltf::Value& transform) {
                                     number("offset", 1, 0)));
 }
 
+double strength_of(const tinygltf::Material& source) {
+    const tinygltf::Value* extension = find_extension(source.extensions, "KHR_materials_emissive_strength");
+    return extension == nullptr ? 1 : number_in(*extension, "emissiveStrength", 1);
+}
+
 class MaterialReader {
   public:
     MaterialReader(const Document& document, Notices& notices) : document_(document), notices_(notices) {}
@@ -147,8 +152,7 @@ class MaterialReader {
     }
 
     void read_emission(const tinygltf::Material& source, Material& material) {
-        const tinygltf::Value* extension = find_extension(source.extensions, "KHR_materials_emissive_strength");
-        const double strength = extension == nullptr ? 1 : number_in(*extension, "emissiveStrength", 1);
+        const double strength = strength_of(source);
         for (int i = 0; i < 3; ++i) {
             const double factor = source.emissiveFactor[static_cast<std::size_t>(i)];
             if (factor < 0) notices_.add(place_, "its emissiveFactor is negative and is clamped to 0");
@@ -217,16 +221,31 @@ std::vector<Texture> decode_textures(const Document& document, const std::vector
 
 }  // namespace
 
-LoadedMaterials load_materials(const Document& document, const std::vector<bool>& used, Scene& scene,
+bool material_emits(const Document& document, int material) {
+    if (material < 0) return false;
+    const tinygltf::Material& source = document.material(material);
+    return strength_of(source) > 0 && std::any_of(source.emissiveFactor.begin(), source.emissiveFactor.end(),
+                                                  [](double factor) { return factor > 0; });
+}
+
+MaterialUse material_use(const Document& document, int material, int group) {
+    return {material, group >= 0 && material_emits(document, material) ? group : -1};
+}
+
+LoadedMaterials load_materials(const Document& document, const std::set<MaterialUse>& used, Scene& scene,
                                Notices& notices) {
     MaterialReader reader(document, notices);
     LoadedMaterials loaded;
-    loaded.indices.resize(used.size(), -1);
-    for (std::size_t i = 0; i < used.size(); ++i) {
-        if (!used[i]) continue;
-        loaded.indices[i] = static_cast<int>(scene.materials.size());
-        scene.materials.push_back(i == 0 ? Material() : reader.read(static_cast<int>(i) - 1));
-        loaded.names.push_back(i == 0 ? "no material" : name_of("material", i - 1, scene.materials.back().name));
+    std::map<int, Material> read;  // by index in the file
+    for (const MaterialUse& use : used) {
+        if (use.material >= 0 && !read.contains(use.material)) read.emplace(use.material, reader.read(use.material));
+        loaded.indices[use] = static_cast<int>(scene.materials.size());
+        scene.materials.push_back(use.material < 0 ? Material() : read.at(use.material));
+        Material& material = scene.materials.back();
+        material.group = use.group;
+        loaded.names.push_back(use.material < 0
+                                   ? "no material"
+                                   : name_of("material", static_cast<std::size_t>(use.material), material.name));
     }
     if (scene.materials.empty()) {
         scene.materials.emplace_back();

@@ -2,12 +2,14 @@
 
 #include "core/error.h"
 #include "core/gltf/accessors.h"
+#include "core/gltf/markers.h"
 
 #include <fmt/format.h>
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <glm/gtc/type_ptr.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -51,6 +53,15 @@ std::vector<int> roots_of_file(const tinygltf::Model& model) {
     return roots;
 }
 
+int group_of(const tinygltf::Node& node, int parent, std::vector<std::string>& groups) {
+    const std::string name = group_name_of(node);
+    if (name.empty()) return parent;
+    const auto found = std::find(groups.begin(), groups.end(), name);
+    const auto index = static_cast<int>(found - groups.begin());
+    if (found == groups.end()) groups.push_back(name);
+    return index;
+}
+
 }  // namespace
 
 int choose_scene(const Document& document, int wanted) {
@@ -65,16 +76,17 @@ int choose_scene(const Document& document, int wanted) {
     throw Error(fmt::format("scene {} is asked for, but the file has: {}", wanted, list), "", "Choose one of them.");
 }
 
-std::vector<PlacedNode> place_nodes(const Document& document, int scene) {
+std::vector<PlacedNode> place_nodes(const Document& document, int scene, std::vector<std::string>& groups) {
     struct Waiting {
         int index;
         glm::dmat4 parent;
+        int group;
     };
     std::vector<Waiting> waiting;
-    const auto add_backwards = [&](const std::vector<int>& nodes, const glm::dmat4& parent) {
-        for (auto node = nodes.rbegin(); node != nodes.rend(); ++node) waiting.push_back({*node, parent});
+    const auto add_backwards = [&](const std::vector<int>& nodes, const glm::dmat4& parent, int group) {
+        for (auto node = nodes.rbegin(); node != nodes.rend(); ++node) waiting.push_back({*node, parent, group});
     };
-    add_backwards(scene < 0 ? roots_of_file(document.model()) : document.scene(scene).nodes, glm::dmat4(1));
+    add_backwards(scene < 0 ? roots_of_file(document.model()) : document.scene(scene).nodes, glm::dmat4(1), -1);
 
     // Each node has one parent, and roots have none: check_links has seen to it, so this ends.
     std::vector<PlacedNode> placed;
@@ -83,11 +95,12 @@ std::vector<PlacedNode> place_nodes(const Document& document, int scene) {
         waiting.pop_back();
         const tinygltf::Node& node = document.node(next.index);
         const Local local = local_transform(node);
-        placed.push_back({next.index, next.parent * local.transform, next.parent * local.unscaled});
+        placed.push_back({next.index, next.parent * local.transform, next.parent * local.unscaled,
+                          group_of(node, next.group, groups)});
         if (!is_finite(placed.back().transform))
             throw Error("its transform is not finite", document.node_name(next.index),
                         "Check its scale and its parents'.");
-        add_backwards(node.children, placed.back().transform);
+        add_backwards(node.children, placed.back().transform, placed.back().group);
     }
     return placed;
 }

@@ -1,6 +1,8 @@
 #include "core/gltf/shapes.h"
 
 #include "core/gltf/markers.h"
+#include "core/gltf/materials.h"
+#include "core/gltf/meshes.h"
 
 #include <algorithm>
 #include <map>
@@ -13,8 +15,17 @@ bool is_skinned(const tinygltf::Mesh& mesh) {
                        [](const tinygltf::Primitive& primitive) { return primitive.attributes.contains("JOINTS_0"); });
 }
 
-Shape::Key key_of(const tinygltf::Node& node, const tinygltf::Mesh& mesh) {
+bool emits(const Document& document, const tinygltf::Mesh& mesh) {
+    return std::any_of(mesh.primitives.begin(), mesh.primitives.end(), [&](const tinygltf::Primitive& primitive) {
+        return makes_triangles(primitive) && material_emits(document, primitive.material);
+    });
+}
+
+Shape::Key key_of(const Document& document, const PlacedNode& placed) {
+    const tinygltf::Node& node = document.node(placed.index);
+    const tinygltf::Mesh& mesh = document.mesh(node.mesh);
     Shape::Key key{node.mesh, node.weights.empty() ? mesh.weights : node.weights};
+    if (placed.group >= 0 && emits(document, mesh)) key.group = placed.group;
     if (std::all_of(key.weights.begin(), key.weights.end(), [](double weight) { return weight == 0; }))
         key.weights.clear();
     return key;
@@ -29,7 +40,7 @@ std::vector<Shape> find_shapes(const Document& document, const std::vector<Place
         const tinygltf::Node& node = document.node(placed.index);
         if (node.mesh < 0 || marker_of(node) != Marker::none) continue;
         const tinygltf::Mesh& mesh = document.mesh(node.mesh);
-        const Shape::Key key = key_of(node, mesh);
+        const Shape::Key key = key_of(document, placed);
         if (node.skin >= 0 && is_skinned(mesh)) {
             shapes.push_back({key, node.skin, {placed.transform}});
             continue;

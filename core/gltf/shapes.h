@@ -15,6 +15,7 @@ struct Shape {
     struct Key {
         int mesh = 0;
         std::vector<double> weights;  // of its morph targets; empty: as it is
+        int group = -1;               // of lights, where it emits
         auto operator<=>(const Key&) const = default;
     };
     Key key;
@@ -27,7 +28,7 @@ struct Shape {
 
 /// The shapes that nodes of the scene have, but for marked ones. A mesh that several nodes use, or
 /// EXT_mesh_gpu_instancing repeats, is one shape; what cannot be an instance, because its transform is flat or its
-/// joints pose it, is a shape of its own.
+/// joints pose it, is a shape of its own. One that emits is a shape for each group of lights.
 [[nodiscard]] std::vector<Shape> find_shapes(const Document& document, const std::vector<PlacedNode>& nodes);
 
 }  // namespace lightgrid::gltf

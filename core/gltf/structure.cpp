@@ -78,9 +78,13 @@ class Check {
         if (const json* value = find(name); value && expect(value->is_boolean(), name, "is not true or false"))
             clean_[name] = *value;
     }
-    void text(const char* name) {
-        if (json* value = find(name); value && expect(value->is_string(), name, "is not a string"))
-            clean_[name] = std::move(*value);  // may be a buffer's data
+    /// problem_of  what is wrong with a string; empty: nothing
+    void text(const char* name, const std::function<std::string(const std::string&)>& problem_of = {}) {
+        json* value = find(name);
+        if (!value || !expect(value->is_string(), name, "is not a string")) return;
+        const std::string problem = problem_of ? problem_of(*value) : "";
+        if (!problem.empty()) return bad(name, fmt::format("{} {}", value->dump(), problem));
+        clean_[name] = std::move(*value);  // may be a buffer's data
     }
     void one_of(const char* name, std::initializer_list<const char*> allowed) {
         const json* value = find(name);
@@ -474,6 +478,32 @@ void check_mesh(Check& mesh) {
     mesh.extensions();
 }
 
+/// What is wrong with the name of a group of lights: it becomes that of a layer, to be written in lists and before "=".
+std::string group_name_problem(const std::string& name) {
+    constexpr std::size_t longest = 64;
+    for (const char* taken : {"combined", "direct", "indirect", "sky", "other", "groups", "index", "list", "validity"})
+        if (name == taken) return "stands for something else in volumes: choose another name";
+    const bool has_sign = std::any_of(name.begin(), name.end(), [](char c) {
+        return c == ',' || c == '.' || c == '=' || static_cast<unsigned char>(c) <= ' ';
+    });
+    if (name.empty() || name.size() > longest || has_sign)
+        return fmt::format("is no name for a group: take 1 to {} bytes without blanks, commas, dots and equals signs",
+                           longest);
+    return "";
+}
+
+/// {"lightgrid": "volume"}, "probe", or {"group": "NAME"}
+void check_extras(Check& extras) {
+    if (!extras.has_object("lightgrid")) {
+        extras.one_of("lightgrid", {"volume", "probe"});
+        return;
+    }
+    extras.object("lightgrid", [](Check& c) {
+        if (!c.has("group")) c.bad("", "has no group");
+        c.text("group", group_name_problem);
+    });
+}
+
 void check_node(Check& node) {
     node.index("mesh", "meshes");
     node.index("skin", "skins");
@@ -489,9 +519,7 @@ void check_node(Check& node) {
     if (node.has("skin") && !node.has("mesh")) node.harmless("skin", "means nothing without a mesh");
     if (node.has("weights") && !node.has("mesh")) node.harmless("weights", "mean nothing without a mesh");
     if (node.has_object("extras"))
-        node.leniently([](Check& c) {
-            c.object("extras", [](Check& extras) { extras.one_of("lightgrid", {"volume", "probe"}); });
-        });
+        node.leniently([](Check& c) { c.object("extras", check_extras); });
     node.extensions({
         {"KHR_lights_punctual",
          [](Check& c) {

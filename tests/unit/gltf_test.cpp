@@ -820,6 +820,79 @@ TEST(Gltf, MarkersBoundVolumesAndPlaceProbes) {
     EXPECT_TRUE(contains(joined(load(builder).notices), "\"prboe\""));
 }
 
+// Groups of lights
+
+/// Nodes: 0 "hall" {1, 2}, 1 "lamps" (group) {3, 4}, 2 a light, 3 a light, 4 "red" (group) {5}, 5 a light.
+GltfBuilder grouped_lights() {
+    GltfBuilder builder;
+    builder.use("KHR_lights_punctual");
+    builder.json["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "point"}}};
+    const auto light = [&] { builder.node({{"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}}); };
+    const auto group = [](const char* name) { return json{{"lightgrid", {{"group", name}}}}; };
+    builder.node({{"children", {1, 2}}});
+    builder.node({{"children", {3, 4}}, {"extras", group("lamps")}});
+    light();
+    light();
+    builder.node({{"children", {5}}, {"extras", group("red")}});
+    light();
+    return builder;
+}
+
+TEST(Gltf, AGroupHoldsBelowItsNodeUpToTheNextGroup) {
+    const Scene scene = load(grouped_lights());
+    EXPECT_EQ(scene.groups, (std::vector<std::string>{"lamps", "red"}));
+    ASSERT_EQ(scene.lights.size(), 3U);
+    EXPECT_EQ(scene.lights[0].group, 0);
+    EXPECT_EQ(scene.lights[1].group, 1);
+    EXPECT_EQ(scene.lights[2].group, -1);
+}
+
+TEST(Gltf, ALampInSeveralGroupsIsSeveralMaterialsAndWhatIsDarkStaysOne) {
+    GltfBuilder builder;
+    builder.add("materials", {{"name", "wall"}});
+    builder.add("materials", {{"name", "bulb"}, {"emissiveFactor", {1, 1, 1}}});
+    const int positions = builder.vec3s(builder.corners());
+    const int dark = builder.mesh({{"attributes", {{"POSITION", positions}}}, {"material", 0}});
+    const int lamp = builder.mesh({{"attributes", {{"POSITION", positions}}}, {"material", 1}});
+    builder.json["scenes"][0]["nodes"] = json::array();
+    const auto stand = [&](int mesh, const char* group) {
+        json node{{"mesh", mesh}};
+        if (*group != 0) node["extras"]["lightgrid"]["group"] = group;
+        builder.node(node);
+        builder.json["scenes"][0]["nodes"].push_back(builder.json["nodes"].size() - 1);
+    };
+    for (const char* group : {"lamps", "signs", ""}) {
+        stand(dark, group);
+        stand(lamp, group);
+        stand(lamp, group);
+    }
+    const Scene scene = load(builder);
+    EXPECT_EQ(scene.groups, (std::vector<std::string>{"lamps", "signs"}));
+    std::vector<std::pair<std::string, int>> found;
+    for (const Material& material : scene.materials) found.emplace_back(material.name, material.group);
+    EXPECT_EQ(found, (std::vector<std::pair<std::string, int>>{{"wall", -1}, {"bulb", -1}, {"bulb", 0}, {"bulb", 1}}));
+    EXPECT_EQ(scene.models.size(), 4U);  // each of them stands several times
+    EXPECT_EQ(scene.instances.size(), 9U);
+}
+
+TEST(Gltf, NoticesGroupsThatAreNone) {
+    const auto noticed = [](json marker) {
+        GltfBuilder builder = grouped_lights();
+        builder.json["nodes"][1]["extras"]["lightgrid"] = std::move(marker);
+        const Scene scene = load(builder);
+        EXPECT_EQ(scene.groups, std::vector<std::string>{"red"});
+        EXPECT_EQ(scene.lights[0].group, -1);
+        return joined(scene.notices);
+    };
+    EXPECT_TRUE(contains(noticed({{"group", "sky"}}), "\"sky\" stands for something else"));
+    EXPECT_TRUE(contains(noticed({{"group", "a,b"}}), "\"a,b\" is no name for a group: take 1 to 64 bytes without"));
+    EXPECT_TRUE(contains(noticed({{"group", ""}}), "is no name for a group"));
+    EXPECT_TRUE(contains(noticed({{"group", std::string(65, 'a')}}), "is no name for a group"));
+    EXPECT_TRUE(contains(noticed({{"group", 7}}), "/nodes/1/extras/lightgrid/group"));
+    EXPECT_TRUE(contains(noticed({{"grop", "lamps"}}), "has no group"));
+    EXPECT_TRUE(contains(noticed(7), "is not a string"));
+}
+
 // Extensions
 
 TEST(Gltf, RefusesUnknownRequiredExtensionsByName) {
