@@ -130,6 +130,11 @@ void store_as_half(Volume& volume) {
         const float error_scale = half_scale(errors, axis_errors);
         for (glm::vec3& error : errors) error = rounded(error, error_scale);
         for (glm::vec3& error : axis_errors) error = rounded(error, error_scale);
+        for (Layer& layer : volume.layers) {
+            const auto part = brick_of(std::span(layer.coefficients), b, size);
+            const float part_scale = half_scale(part);
+            for (glm::vec3& value : part) value = rounded(value, part_scale);
+        }
     }
     volume.half = true;
 }

@@ -37,7 +37,7 @@ inline constexpr double max_storage_share = 0.1;
 [[nodiscard]] StorageChoice choose_storage(const Volume& volume);
 
 /// Rounds the volume to what half storage holds, marks it `half`, and adds (in quadrature) what that changed to the
-/// standard errors of coefficients and axes. Saving and loading changes no number after that.
+/// standard errors of coefficients and axes. Layers are rounded with scales of their own. Saving and loading changes no number after that.
 void store_as_half(Volume& volume);
 
 }  // namespace lightgrid

@@ -313,6 +313,7 @@ std::vector<BorderProbe> border_probes(const Volume& volume) {
 struct Filling {
     std::size_t slot;
     std::vector<glm::vec3> coefficients, errors, axis_errors;
+    std::vector<std::vector<glm::vec3>> layers;
 };
 
 std::optional<Filling> fill_from_neighbours(const Volume& volume, const Tracer& tracer, const Lattice& lattice,
@@ -321,7 +322,8 @@ std::optional<Filling> fill_from_neighbours(const Volume& volume, const Tracer& 
     const glm::vec3 place(lattice_position(volume, slot) - origin);
     const glm::dvec3 last = lattice.grid().position(lattice.grid().counts - 1);
     const auto n = static_cast<std::size_t>(volume.bands) * volume.bands;
-    Filling filling{slot, std::vector<glm::vec3>(n), std::vector<glm::vec3>(n), std::vector<glm::vec3>(6)};
+    Filling filling{slot, std::vector<glm::vec3>(n), std::vector<glm::vec3>(n), std::vector<glm::vec3>(6), {}};
+    filling.layers.assign(volume.layers.size(), std::vector<glm::vec3>(n));
     float weight_sum = 0;
     for (const std::size_t from : lattice.neighbours(slot)) {
         if (!has_light[from]) continue;
@@ -338,10 +340,17 @@ std::optional<Filling> fill_from_neighbours(const Volume& volume, const Tracer& 
             filling.errors[i] += weight * volume.errors[from * n + i];
         }
         for (std::size_t i = 0; i < 6; ++i) filling.axis_errors[i] += weight * volume.axis_errors[from * 6 + i];
+        for (std::size_t k = 0; k < filling.layers.size(); ++k) {
+            const std::vector<glm::vec3>& coefficients = volume.layers[k].coefficients;
+            for (std::size_t i = 0; i < n; ++i) filling.layers[k][i] += weight * coefficients[from * n + i];
+        }
     }
     if (weight_sum == 0) return {};
     for (auto* values : {&filling.coefficients, &filling.errors, &filling.axis_errors}) {
         for (glm::vec3& value : *values) value /= weight_sum;
+    }
+    for (std::vector<glm::vec3>& values : filling.layers) {
+        for (glm::vec3& value : values) value /= weight_sum;
     }
     return filling;
 }
@@ -352,6 +361,10 @@ void apply(Volume& volume, const Filling& filling) {
     std::copy(filling.coefficients.begin(), filling.coefficients.end(), volume.coefficients.begin() + slot * n);
     std::copy(filling.errors.begin(), filling.errors.end(), volume.errors.begin() + slot * n);
     std::copy(filling.axis_errors.begin(), filling.axis_errors.end(), volume.axis_errors.begin() + slot * 6);
+    for (std::size_t k = 0; k < filling.layers.size(); ++k) {
+        std::copy(filling.layers[k].begin(), filling.layers[k].end(),
+                  volume.layers[k].coefficients.begin() + slot * n);
+    }
     volume.states[filling.slot] = ProbeState::filled;
 }
 

@@ -145,11 +145,20 @@ Sampler::Corners Sampler::corners(glm::dvec3 position, const SampleOptions& opti
 void Sampler::interpolate(const Corners& from, const SampleOptions& options, std::span<glm::vec3> sh) const noexcept {
     std::fill(sh.begin(), sh.end(), glm::vec3(0));
     for (int c = 0; c < from.count; ++c) {
-        // As one row of floats, which the compiler turns into vector instructions.
-        const float* light = &volume_.sh(from.slots[c]).data()->x;
-        float* sum = &sh.data()->x;
-        const float weight = from.weights[c];
-        for (std::size_t i = 0; i < 3 * sh.size(); ++i) sum[i] += weight * light[i];
+        if (options.layers.empty()) {
+            // As one row of floats, which the compiler turns into vector instructions.
+            const float* light = &volume_.sh(from.slots[c]).data()->x;
+            float* sum = &sh.data()->x;
+            const float weight = from.weights[c];
+            for (std::size_t i = 0; i < 3 * sh.size(); ++i) sum[i] += weight * light[i];
+            continue;
+        }
+        assert(options.layers.size() == volume_.layers.size());
+        for (std::size_t k = 0; k < options.layers.size(); ++k) {
+            const glm::vec3* light = volume_.layers[k].coefficients.data() + from.slots[c] * sh.size();
+            const glm::vec3 weight = from.weights[c] * options.layers[k];
+            for (std::size_t i = 0; i < sh.size(); ++i) sh[i] += weight * light[i];
+        }
     }
     if (from.environment > 0 && !options.environment.empty()) {
         assert(options.environment.size() == sh.size());

@@ -21,6 +21,7 @@ struct SampleOptions {
     float fade_distance = 1;                   // metres from the volume at which `fade` has reached the environment
     std::span<const glm::vec3> environment{};  // bands^2 coefficients; empty: black
     Interpolation interpolation = Interpolation::trilinear;
+    std::span<const glm::vec3> layers{};  // weight times colour of each of the volume's; empty: the combined light
 };
 
 /// Interpolated coefficients. weight: the share of trilinear weight that valid corners carried, before renormalisation

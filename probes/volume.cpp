@@ -7,9 +7,11 @@
 
 #include <algorithm>
 #include <bit>
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <set>
 
 namespace lightgrid {
 namespace {
@@ -150,6 +152,21 @@ void check_settings(const Volume& volume) {
     }
 }
 
+void check_layers(const Volume& volume) {
+    // A layer is a part of the file; so are these.
+    std::set<std::string> names{combined_layer, "combined.error", "validity", "index", "list"};
+    for (const Layer& layer : volume.layers) {
+        const std::string where = fmt::format("layer \"{}\"", layer.name);
+        if (layer.name.empty()) throw Error("has no name", where);
+        if (!names.insert(layer.name).second) throw Error("the name stands for another part as well", where);
+        if (!(std::isfinite(layer.noise) && layer.noise >= 0)) {
+            throw Error(fmt::format("noise {} is not finite, or negative", layer.noise), where);
+        }
+        check_numbers(volume, layer.coefficients, volume.sh_size(), std::numeric_limits<float>::lowest(),
+                      where.c_str());
+    }
+}
+
 bool same_bits(float a, float b) {
     return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b);
 }
@@ -200,6 +217,7 @@ void set_bands(Volume& volume, int bands) {
     volume.coefficients.assign(volume.slots() * volume.sh_size(), glm::vec3(0));
     volume.errors = volume.coefficients;
     volume.axis_errors.assign(volume.slots() * axis_normals.size(), glm::vec3(0));
+    for (Layer& layer : volume.layers) layer = {layer.name, volume.coefficients, 0};
 }
 
 void append(Volume& volume, const Volume& more) {
@@ -218,6 +236,9 @@ void append(Volume& volume, const Volume& more) {
     before_list(volume.coefficients, more.coefficients, n);
     before_list(volume.errors, more.errors, n);
     before_list(volume.axis_errors, more.axis_errors, axis_normals.size());
+    for (std::size_t i = 0; i < volume.layers.size(); ++i) {
+        before_list(volume.layers[i].coefficients, more.layers[i].coefficients, n);
+    }
     volume.grids = more.grids;
     volume.bricks.insert(volume.bricks.end(), more.bricks.begin(), more.bricks.end());
 }
@@ -246,6 +267,44 @@ void check_volume(const Volume& volume) {
     check_numbers(volume, volume.errors, volume.sh_size(), 0, "standard error of coefficient");
     check_numbers(volume, volume.axis_errors, axis_normals.size(), 0, "standard error of irradiance along axis");
     if (!volume.offsets.empty()) check_numbers(volume, volume.offsets, 1, lowest, "offset");
+    check_layers(volume);
+}
+
+std::optional<std::size_t> find_layer(const Volume& volume, std::string_view name) noexcept {
+    for (std::size_t i = 0; i < volume.layers.size(); ++i) {
+        if (volume.layers[i].name == name) return i;
+    }
+    return {};
+}
+
+std::string sky_layer(int i) {
+    return fmt::format("sky.{}", i);
+}
+
+bool has_sky_layers(const Volume& volume) noexcept {
+    return find_layer(volume, "sky.0").has_value();
+}
+
+void set_sky(const Volume& volume, std::span<const glm::vec3> radiance, std::span<glm::vec3> weights) {
+    for (int i = 0; i < sh_size(sky_layer_bands); ++i) {
+        const std::optional<std::size_t> layer = find_layer(volume, sky_layer(i));
+        if (layer) weights[*layer] = radiance[static_cast<std::size_t>(i)];
+    }
+}
+
+std::size_t stored_bytes(const Volume& volume, std::span<const glm::vec3> coefficients) noexcept {
+    const auto bands = static_cast<std::size_t>(std::max(1, used_bands(coefficients, volume.bands)));
+    return volume.slots() * bands * bands * (is_grey(coefficients) ? 1 : 3) * (volume.half ? 2 : 4);
+}
+
+std::vector<glm::vec3> mix_layers(const Volume& volume, std::span<const glm::vec3> weights) {
+    assert(weights.size() == volume.layers.size());
+    std::vector<glm::vec3> sum(volume.coefficients.size(), glm::vec3(0));
+    for (std::size_t k = 0; k < weights.size(); ++k) {
+        const std::vector<glm::vec3>& layer = volume.layers[k].coefficients;
+        for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += weights[k] * layer[i];
+    }
+    return sum;
 }
 
 glm::ivec3 lattice_index(const Volume& volume, std::size_t slot) {

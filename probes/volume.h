@@ -6,8 +6,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 /// The result of a bake as plain data. Positions are in the level's own coordinates, metres.
@@ -51,6 +53,16 @@ struct Brick {
     glm::ivec3 origin{0};  // first probe, a multiple of brick_size
 };
 
+/// The name of Volume::coefficients among layers.
+inline constexpr const char* combined_layer = "combined";
+
+/// A part of the light, stored apart so that the run time mixes parts anew (mix_layers, SampleOptions::layers).
+struct Layer {
+    std::string name;
+    std::vector<glm::vec3> coefficients;  // as Volume::coefficients
+    double noise = 0;  // standard error of its irradiance over all gathered probes and directions, relative RMS
+};
+
 /// Probes in slots: brick b's probe p is slot b * probes_per_brick + p; behind those of the bricks come the rows of the
 /// list. A volume has grids, or a list (a "probe list", which has no cells), or both.
 struct Volume {
@@ -64,6 +76,7 @@ struct Volume {
     std::vector<glm::vec3> errors;        // standard errors of them
     std::vector<glm::vec3> axis_errors;   // per slot 6: standard error of the irradiance along axis_normals
     std::vector<glm::vec3> offsets;       // per slot: gather position minus lattice point; empty: none moved
+    std::vector<Layer> layers;            // parts of the light besides all of it together
     bool half = false;                    // stored in the file as half, scaled per brick (half_storage.h)
     std::map<std::string, std::string>
         settings;  // written to the header as they are: level, seed, samples, version ...
@@ -95,14 +108,38 @@ inline constexpr std::array<glm::vec3, 6> axis_normals{
 /// Room for other bands; all light becomes zero.
 void set_bands(Volume& volume, int bands);
 
-/// Adds grids and bricks of `more`, which has the bands and, first, the grids of `volume`, and no list. Slots of a list
-/// move to the new end.
+/// Adds grids and bricks of `more`, which has the bands, the layers and, first, the grids of `volume`, and no list.
+/// Slots of a list move to the new end.
 void append(Volume& volume, const Volume& more);
 
 /// Throws Error that names the first thing wrong: a size that does not fit the others, a brick outside its grid or
 /// stored twice, a probe inside its grid that is `absent` or one outside that is not, a number that is not finite, a
 /// negative standard error. What save_volume writes and load_volume returns has passed it.
 void check_volume(const Volume& volume);
+
+/// The index of a layer, if there is one of that name.
+[[nodiscard]] std::optional<std::size_t> find_layer(const Volume& volume, std::string_view name) noexcept;
+
+/// A sky that can be changed is nine layers, sky.0 to sky.8: the light that a sky of radiance Y_i(direction) brings.
+/// With the coefficients of a sky's radiance as weights they are the light of that sky, but for what of it is above
+/// band 2.
+inline constexpr int sky_layer_bands = 3;
+[[nodiscard]] std::string sky_layer(int i);
+[[nodiscard]] bool has_sky_layers(const Volume& volume) noexcept;
+/// Sets the weights of these layers, where a volume has them.
+///
+/// radiance  of the sky, at least nine coefficients
+/// weights   one for each layer of the volume
+void set_sky(const Volume& volume, std::span<const glm::vec3> radiance, std::span<glm::vec3> weights);
+
+/// Bytes that coefficients take in the file before they are compressed: without bands that are black, and without
+/// colour where there is none.
+[[nodiscard]] std::size_t stored_bytes(const Volume& volume, std::span<const glm::vec3> coefficients) noexcept;
+
+/// The light that layers make together, as Volume::coefficients: the sum of each times its weight, colour by colour.
+///
+/// weights  one for each layer of the volume; any sign
+[[nodiscard]] std::vector<glm::vec3> mix_layers(const Volume& volume, std::span<const glm::vec3> weights);
 
 /// Bricks that a grid spans along each axis, stored or not.
 [[nodiscard]] inline glm::ivec3 lattice_bricks(const Grid& grid) {

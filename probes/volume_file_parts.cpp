@@ -58,8 +58,8 @@ Layout layout_for(std::size_t tiles) {
     return {static_cast<int>(whole), static_cast<int>((tiles + whole - 1) / whole)};
 }
 
-std::vector<ProbeChannel> light_channels(Volume& volume, Stored stored) {
-    return sh_channels("c", volume, stored, volume.coefficients);
+std::vector<ProbeChannel> light_channels(const Volume& volume, Stored stored, std::vector<glm::vec3>& coefficients) {
+    return sh_channels("c", volume, stored, coefficients);
 }
 
 std::vector<ProbeChannel> error_channels(Volume& volume, Stored stored) {
@@ -106,26 +106,34 @@ void TileBuffer::clear() {
     std::fill(memory_.begin(), memory_.end(), 0);
 }
 
-Index::Index(std::size_t tiles) : flags(tiles), grid(tiles), light_scale(tiles, 1.0F), error_scale(tiles, 1.0F) {
+Index::Index(std::size_t tiles, const Volume& volume)
+    : flags(tiles),
+      grid(tiles),
+      light_scale(tiles, 1.0F),
+      error_scale(tiles, 1.0F),
+      layer_scales(volume.layers.size(), light_scale) {
     origin.fill(std::vector<std::uint32_t>(tiles));
 }
 
-Imf::FrameBuffer Index::frame(bool cells, bool half, int columns) {
+Imf::FrameBuffer Index::frame(const Volume& volume, int columns) {
     Imf::FrameBuffer result;
-    const auto add = [&](const char* name, Imf::PixelType type, void* data) {
+    const auto add = [&](const std::string& name, Imf::PixelType type, void* data) {
         constexpr std::size_t size = 4;  // bytes, UINT and FLOAT
         result.insert(name, Imf::Slice(type, static_cast<char*>(data), size, size * columns));
     };
     add("flags", Imf::UINT, flags.data());
-    if (cells) {
+    if (volume.has_cells()) {
         add("grid", Imf::UINT, grid.data());
         add("origin.x", Imf::UINT, origin[0].data());
         add("origin.y", Imf::UINT, origin[1].data());
         add("origin.z", Imf::UINT, origin[2].data());
     }
-    if (half) {
+    if (volume.half) {
         add("combined.scale", Imf::FLOAT, light_scale.data());
         add("combined.error.scale", Imf::FLOAT, error_scale.data());
+        for (std::size_t i = 0; i < layer_scales.size(); ++i) {
+            add(volume.layers[i].name + ".scale", Imf::FLOAT, layer_scales[i].data());
+        }
     }
     return result;
 }

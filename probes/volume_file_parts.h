@@ -16,7 +16,6 @@
 /// FORMAT.md says the same to everybody else.
 namespace lightgrid::volume_file {
 
-inline constexpr const char* layer_part = "combined";  // direct and indirect light together
 inline constexpr const char* error_part = "combined.error";
 inline constexpr const char* validity_part = "validity";
 inline constexpr const char* index_part = "index";
@@ -28,6 +27,7 @@ inline constexpr const char* bands_attribute = "lightgrid.bands";
 inline constexpr const char* stored_bands_attribute = "lightgrid.storedBands";
 inline constexpr const char* brick_size_attribute = "lightgrid.brickSize";
 inline constexpr const char* layers_attribute = "lightgrid.layers";
+inline constexpr const char* noise_attribute = "lightgrid.noise";
 inline constexpr const char* grids_attribute = "lightgrid.grids";
 inline constexpr const char* list_length_attribute = "lightgrid.listLength";
 inline constexpr const char* list_origin_attribute = "lightgrid.listOrigin";
@@ -65,7 +65,10 @@ struct Stored {
     bool grey = false;
 };
 /// c0.R c0.G c0.B c1.R ... or c0.Y c1.Y ..., of `bands` bands in memory.
-[[nodiscard]] std::vector<ProbeChannel> light_channels(Volume& volume, Stored stored);
+///
+/// coefficients  of the volume or one of its layers
+[[nodiscard]] std::vector<ProbeChannel> light_channels(const Volume& volume, Stored stored,
+                                                       std::vector<glm::vec3>& coefficients);
 /// The same with e for c, then the six axes of irradiance: E+x.R ...
 [[nodiscard]] std::vector<ProbeChannel> error_channels(Volume& volume, Stored stored);
 /// offset.x .y .z
@@ -109,16 +112,17 @@ struct Index {
     static constexpr std::uint32_t used = 1;  // the tile holds probes; the last ones of a picture may not
     static constexpr std::uint32_t rows = 2;  // those of the list, not a brick
 
-    explicit Index(std::size_t tiles);
+    Index(std::size_t tiles, const Volume& volume);
 
     /// The channels that a file has: where bricks are only if there are cells, scales only with half.
-    [[nodiscard]] Imf::FrameBuffer frame(bool cells, bool half, int columns);
+    [[nodiscard]] Imf::FrameBuffer frame(const Volume& volume, int columns);
 
     std::vector<std::uint32_t> flags;
     std::vector<std::uint32_t> grid;
     std::array<std::vector<std::uint32_t>, 3> origin;
     Scales light_scale;
     Scales error_scale;
+    std::vector<Scales> layer_scales;  // by layer
 };
 
 }  // namespace lightgrid::volume_file

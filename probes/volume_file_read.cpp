@@ -6,6 +6,7 @@
 
 #include <Iex.h>
 #include <ImfChannelList.h>
+#include <ImfDoubleAttribute.h>
 #include <ImfHeader.h>
 #include <ImfIO.h>
 #include <ImfInputPart.h>
@@ -162,6 +163,24 @@ Volume read_header(const Imf::Header& header) {
     return volume;
 }
 
+// The names of layers besides the combined one. Each has to have its part, so that a broken list cannot ask for much.
+std::vector<Layer> list_layers(const Imf::MultiPartInputFile& file, const Imf::Header& index) {
+    std::vector<Layer> layers;
+    const Imf::StringVector names = attribute<Imf::StringVectorAttribute>(index, layers_attribute);
+    if (names.empty() || names.front() != combined_layer) {
+        throw Error(fmt::format("attribute \"{}\" does not begin with {}", layers_attribute, combined_layer),
+                    in_part(index));
+    }
+    for (std::size_t i = 1; i < names.size(); ++i) {
+        if (std::count(names.begin(), names.end(), names[i]) > 1) {
+            throw Error(fmt::format("layer \"{}\" is listed twice", names[i]), in_part(index));
+        }
+        static_cast<void>(require_part(file, names[i]));
+        layers.push_back({names[i], {}, 0});
+    }
+    return layers;
+}
+
 // The tiles that the index speaks of, checked against the size of the light's part. OpenEXR has read a table of that
 // many offsets from the file by now, so that a size made up by a broken file does not get here.
 Layout read_layout(const Imf::Header& index, const Imf::Header& light) {
@@ -176,8 +195,8 @@ Layout read_layout(const Imf::Header& index, const Imf::Header& light) {
 }
 
 Index read_index(Imf::MultiPartInputFile& file, int part, Layout layout, const Volume& volume) {
-    Index index(layout.tiles());
-    const Imf::FrameBuffer frame = index.frame(volume.has_cells(), volume.half, layout.columns);
+    Index index(layout.tiles(), volume);
+    const Imf::FrameBuffer frame = index.frame(volume, layout.columns);
     for (auto slice = frame.begin(); slice != frame.end(); ++slice) {
         require_channel(file.header(part), slice.name(), slice.slice().type);
     }
@@ -310,11 +329,13 @@ void read_validity(Imf::MultiPartInputFile& file, Layout layout, Volume& volume)
     }
 }
 
-void read_light(Imf::MultiPartInputFile& file, int part, Layout layout, const Index& index, Volume& volume) {
-    volume.coefficients.assign(volume.slots() * volume.sh_size(), glm::vec3(0));
+std::vector<glm::vec3> read_light(Imf::MultiPartInputFile& file, int part, Layout layout, const Scales& scales,
+                                  const Volume& volume) {
+    std::vector<glm::vec3> coefficients(volume.slots() * volume.sh_size(), glm::vec3(0));
     const Stored stored = read_stored(file.header(part), volume.bands, "c0.Y");
-    read_tiles(file, part, light_channels(volume, stored), layout, volume.slots(), index.light_scale);
-    if (stored.grey) spread_grey(volume.coefficients);
+    read_tiles(file, part, light_channels(volume, stored, coefficients), layout, volume.slots(), scales);
+    if (stored.grey) spread_grey(coefficients);
+    return coefficients;
 }
 
 void read_errors(Imf::MultiPartInputFile& file, Layout layout, const Index& index, Volume& volume) {
@@ -334,21 +355,29 @@ Volume decode(Imf::IStream& stream) {
     Imf::MultiPartInputFile file(stream, 0);
     check_format(file);
     const int index_number = require_part(file, index_part);
-    const int light = require_part(file, layer_part);
+    const int light = require_part(file, combined_layer);
     Volume volume = read_header(file.header(index_number));
     volume.half = stores_half(file.header(light));
+    volume.layers = list_layers(file, file.header(index_number));
     const Layout layout = read_layout(file.header(index_number), file.header(light));
     const Index index = read_index(file, index_number, layout, volume);
     check_scales(index.light_scale);
     check_scales(index.error_scale);
+    for (const Scales& scales : index.layer_scales) check_scales(scales);
     const UsedTiles used = count_used(index);
     if (used.bricks + used.rows == 0) throw Error("holds no probes");
     volume.bricks = read_bricks(index, used.bricks);
     if (used.rows > 0) read_list(file, used.rows, volume);
     volume.states.resize(volume.list_start() + volume.list.size());
     read_validity(file, layout, volume);
-    read_light(file, light, layout, index, volume);
+    volume.coefficients = read_light(file, light, layout, index.light_scale, volume);
     read_errors(file, layout, index, volume);
+    for (std::size_t i = 0; i < volume.layers.size(); ++i) {
+        Layer& layer = volume.layers[i];
+        const int part = require_part(file, layer.name);
+        layer.noise = attribute<Imf::DoubleAttribute>(file.header(part), noise_attribute);
+        layer.coefficients = read_light(file, part, layout, index.layer_scales[i], volume);
+    }
     check_volume(volume);
     return volume;
 }

@@ -6,6 +6,7 @@
 
 #include <Iex.h>
 #include <ImfChannelList.h>
+#include <ImfDoubleAttribute.h>
 #include <ImfIO.h>
 #include <ImfIntAttribute.h>
 #include <ImfMultiPartOutputFile.h>
@@ -53,7 +54,7 @@ struct Part {
     Scales scales;
 };
 
-Imf::Header make_header(const char* name, const std::string& type, Layout all, const Imath::Box2i& data_window) {
+Imf::Header make_header(const std::string& name, const std::string& type, Layout all, const Imath::Box2i& data_window) {
     // The parts of a file have to share the display window.
     Imf::Header header(all.probes(), data_window, 1, {0, 0}, 1, Imf::INCREASING_Y, Imf::ZIP_COMPRESSION);
     header.zipCompressionLevel() = 6;  // whatever the process has as its default
@@ -64,7 +65,7 @@ Imf::Header make_header(const char* name, const std::string& type, Layout all, c
 }
 
 // all  the layout of all probes: the display window, which the parts of a file share
-Part make_part(const char* name, Layout all, std::size_t slots, std::vector<ProbeChannel> channels,
+Part make_part(const std::string& name, Layout all, std::size_t slots, std::vector<ProbeChannel> channels,
                Scales scales = {}) {
     const Layout layout = layout_for(tiles_for(slots));
     Imf::Header header = make_header(name, Imf::TILEDIMAGE, all, layout.probes());
@@ -101,7 +102,7 @@ void write_tiles(Imf::MultiPartOutputFile& file, int number, const Part& part) {
 }
 
 Index make_index(const Volume& volume, Layout layout) {
-    Index index(layout.tiles());
+    Index index(layout.tiles(), volume);
     const auto brick_of = [](const std::vector<glm::vec3>& values, std::size_t brick, std::size_t per_slot) {
         const std::size_t first = brick * probes_per_brick * per_slot;
         return std::span(values).subspan(first, std::min(values.size() - first, probes_per_brick * per_slot));
@@ -116,6 +117,9 @@ Index make_index(const Volume& volume, Layout layout) {
         }
         if (volume.half) {
             index.light_scale[t] = half_scale(brick_of(volume.coefficients, t, volume.sh_size()));
+            for (std::size_t i = 0; i < volume.layers.size(); ++i) {
+                index.layer_scales[i][t] = half_scale(brick_of(volume.layers[i].coefficients, t, volume.sh_size()));
+            }
             index.error_scale[t] = half_scale(brick_of(volume.errors, t, volume.sh_size()),
                                               brick_of(volume.axis_errors, t, axis_normals.size()));
         }
@@ -132,7 +136,9 @@ Imf::Header make_index_header(const Volume& volume, Layout layout, const Imf::Fr
     header.insert(conventions_attribute, Imf::StringAttribute(std::string(volume_conventions)));
     header.insert(bands_attribute, Imf::IntAttribute(volume.bands));
     header.insert(brick_size_attribute, Imf::IntAttribute(brick_size));
-    header.insert(layers_attribute, Imf::StringVectorAttribute({layer_part}));
+    Imf::StringVector layers{combined_layer};
+    for (const Layer& layer : volume.layers) layers.push_back(layer.name);
+    header.insert(layers_attribute, Imf::StringVectorAttribute(layers));
     header.insert(grids_attribute, Imf::IntAttribute(static_cast<int>(volume.grids.size())));
     for (std::size_t g = 0; g < volume.grids.size(); ++g) {
         const Grid& grid = volume.grids[g];
@@ -151,10 +157,12 @@ bool all_zero(std::span<const glm::vec3> values) {
     return std::all_of(values.begin(), values.end(), [](glm::vec3 v) { return v == glm::vec3(0); });
 }
 
-Part make_light_part(Volume& volume, Layout all, const Index& index) {
+// The volume's own light, or that of a layer.
+Part make_light_part(const std::string& name, std::vector<glm::vec3>& coefficients, const Volume& volume, Layout all,
+                     const Scales& scales) {
     // A part needs a channel: at least one band, be it dark.
-    const Stored stored{std::max(1, used_bands(volume.coefficients, volume.bands)), is_grey(volume.coefficients)};
-    Part part = make_part(layer_part, all, volume.slots(), light_channels(volume, stored), index.light_scale);
+    const Stored stored{std::max(1, used_bands(coefficients, volume.bands)), is_grey(coefficients)};
+    Part part = make_part(name, all, volume.slots(), light_channels(volume, stored, coefficients), scales);
     part.header.insert(stored_bands_attribute, Imf::IntAttribute(stored.bands));
     return part;
 }
@@ -193,15 +201,21 @@ Part make_list_part(Volume& volume, Layout all, std::vector<glm::vec3>& relative
 std::string encode(Volume& volume) {
     const Layout layout = layout_for(tiles_for(volume.slots()));
     Index index = make_index(volume, layout);
-    const Imf::FrameBuffer index_frame = index.frame(volume.has_cells(), volume.half, layout.columns);
+    const Imf::FrameBuffer index_frame = index.frame(volume, layout.columns);
     std::vector<float> states;
     std::vector<glm::vec3> relative;
 
-    std::vector<Part> parts{make_light_part(volume, layout, index)};
+    std::vector<Part> parts{
+        make_light_part(combined_layer, volume.coefficients, volume, layout, index.light_scale)};
     if (!all_zero(volume.errors) || !all_zero(volume.axis_errors))
         parts.push_back(make_error_part(volume, layout, index));
     parts.push_back(make_validity_part(volume, layout, states));
     if (!volume.list.empty()) parts.push_back(make_list_part(volume, layout, relative));
+    for (std::size_t i = 0; i < volume.layers.size(); ++i) {
+        Layer& layer = volume.layers[i];
+        parts.push_back(make_light_part(layer.name, layer.coefficients, volume, layout, index.layer_scales[i]));
+        parts.back().header.insert(noise_attribute, Imf::DoubleAttribute(layer.noise));
+    }
 
     std::vector<Imf::Header> headers;
     headers.reserve(parts.size() + 1);

@@ -106,36 +106,36 @@ void draw_metre(Canvas& canvas, glm::ivec2 corner, double pixels_per_metre, int 
 
 // ---- probes --------------------------------------------------------------------------------------------------------
 
-/// Lattice places of the layer of probes nearest to `at` across `axis`: slots, and where the layer is.
-struct Layer {
+/// Lattice places of the plane of probes nearest to `at` across `axis`: slots, and where the plane is.
+struct LatticePlane {
     double position = 0;
     std::vector<std::size_t> slots;
 };
 
-Layer nearest_layer(const Volume& volume, int axis, double at) {
+LatticePlane nearest_plane(const Volume& volume, int axis, double at) {
     const auto place = [&](std::size_t slot) { return lattice_position(volume, slot)[axis]; };
-    Layer layer;
+    LatticePlane plane;
     double best = std::numeric_limits<double>::infinity();
     for (std::size_t slot = 0; slot < volume.slots(); ++slot) {
         if (volume.states[slot] == ProbeState::absent) continue;
         const double distance = std::abs(place(slot) - at);
         if (distance < best) {
             best = distance;
-            layer.position = place(slot);
+            plane.position = place(slot);
         }
     }
     for (std::size_t slot = 0; slot < volume.slots(); ++slot) {
-        if (volume.states[slot] != ProbeState::absent && place(slot) == layer.position) layer.slots.push_back(slot);
+        if (volume.states[slot] != ProbeState::absent && place(slot) == plane.position) plane.slots.push_back(slot);
     }
-    return layer;
+    return plane;
 }
 
 /// Spheres under the light of their probes, hidden by what is nearer in `view`.
-void draw_spheres(Canvas& canvas, const View& view, const Camera& camera, const Volume& volume, const Layer& layer,
-                  float radius, float exposure) {
+void draw_spheres(Canvas& canvas, const View& view, const Camera& camera, const Volume& volume,
+                  const LatticePlane& plane, float radius, float exposure) {
     const double to_pixels = 0.5 * canvas.width;
     std::vector<float> depth = view.depth;
-    for (const std::size_t slot : layer.slots) {
+    for (const std::size_t slot : plane.slots) {
         const glm::dvec3 center = gather_position(volume, slot);
         const glm::dvec3 seen = camera.project(center);
         const glm::dvec2 middle(to_pixels + seen.x * to_pixels, 0.5 * canvas.height - seen.y * to_pixels);
@@ -257,8 +257,8 @@ Canvas draw_probes(const LitLevel& level, const Volume& volume, const PictureOpt
     const Box box = bounds_of(volume);
     const float radius = static_cast<float>(0.2 * finest_spacing(volume));
     const int width = options.width - 2 * margin;
-    const Layer plan = nearest_layer(volume, 1, options.at.y);
-    const Layer front = nearest_layer(volume, 2, options.at.z);
+    const LatticePlane plan = nearest_plane(volume, 1, options.at.y);
+    const LatticePlane front = nearest_plane(volume, 2, options.at.z);
 
     // From above and a little from the south.
     Box below = box;
@@ -283,11 +283,11 @@ Canvas draw_probes(const LitLevel& level, const Volume& volume, const PictureOpt
     glm::ivec2 corner(margin, margin);
     canvas.text(corner, "Probes under their own light", ink, 17);
     corner.y += 2 * line_height;
-    const auto draw = [&](const std::string& title, const View& view, const Camera& camera, const Layer& layer) {
+    const auto draw = [&](const std::string& title, const View& view, const Camera& camera, const LatticePlane& plane) {
         canvas.text(corner, title, faint_ink);
         corner.y += line_height;
         Canvas picture = developed(view, exposure);
-        draw_spheres(picture, view, camera, volume, layer, radius, exposure);
+        draw_spheres(picture, view, camera, volume, plane, radius, exposure);
         canvas.paste(picture, corner);
         corner.y += picture.height + line_height / 2;
     };

@@ -36,7 +36,9 @@ std::vector<Kind> kinds() {
     fill(list);
     Volume both = make_volume({{{0, 0, 0}, {1, 1, 1}, {2, 3, 2}}}, 1, {{0.1, 0.2, 0.3}, {1e5, -1e5, 0}});
     fill(both);
-    return {{"grid", grid}, {"half", half}, {"list", list}, {"both", both}};
+    Volume layers = half;
+    layers.layers = {{"a", half.coefficients, 0.5}, {"b", half.coefficients, 0}};
+    return {{"grid", grid}, {"half", half}, {"list", list}, {"both", both}, {"layers", layers}};
 }
 
 enum class Outcome { refused, accepted };

@@ -266,6 +266,46 @@ TEST(Sampler, GivesTheSameInBatches) {
     }
 }
 
+TEST(Sampler, MixesLayersAsMixingThemBeforeDoes) {
+    Volume volume = volume_of({{{0, 0, 0}, {1, 1, 1}, {5, 4, 3}}}, linear, 3);
+    std::mt19937 random(4);
+    std::uniform_real_distribution<float> uniform(-1, 1);
+    for (const char* name : {"a", "b", "c"}) {
+        Layer layer{name, volume.coefficients, 0};
+        for (glm::vec3& v : layer.coefficients) v = {uniform(random), uniform(random), uniform(random)};
+        volume.layers.push_back(layer);
+    }
+    set(volume, {1, 1, 1}, ProbeState::filled, glm::vec3(0));
+    const std::vector<glm::vec3> weights{{2, 0, 0.5F}, {1, -1, 3}, {0, 4, 0}};
+    Volume mixed = volume;
+    mixed.coefficients = mix_layers(volume, weights);
+    const Sampler sampler(volume);
+    const Sampler before(mixed);
+    const std::vector<glm::vec3> sky(9, glm::vec3(0.5F));
+    for (const Interpolation interpolation : {Interpolation::trilinear, Interpolation::nearest}) {
+        SampleOptions options;
+        options.outside = Outside::fade;
+        options.environment = sky;
+        options.interpolation = interpolation;
+        SampleOptions with_layers = options;
+        with_layers.layers = weights;
+        std::uniform_real_distribution<double> place(-0.5, 4);
+        for (int i = 0; i < 1000; ++i) {
+            const glm::dvec3 p(place(random), place(random), place(random));
+            const Sample a = sampler.sample(p, with_layers);
+            const Sample b = before.sample(p, options);
+            EXPECT_EQ(a.weight, b.weight);
+            for (std::size_t k = 0; k < 9; ++k) {
+                EXPECT_NEAR(glm::distance(a.sh[k], b.sh[k]), 0, 8 * 3 * 4 * 0x1p-24);  // of sums of 24 numbers up to 4
+            }
+            const glm::vec3 up(0, 1, 0);
+            EXPECT_NEAR(glm::distance(sampler.irradiance(p, up, with_layers), before.irradiance(p, up, options)), 0,
+                        1e-4);
+        }
+    }
+    EXPECT_EQ(light_at(sampler, {1, 0, 0}), volume.sh(1)[0]) << "all light where no layers are asked for";
+}
+
 TEST(Sampler, KnowsNothingOfPlacesThatAreNoNumbers) {
     const Volume volume = volume_of({{{0, 0, 0}, {1, 1, 1}, {5, 5, 5}}}, linear);
     const Sampler sampler(volume);

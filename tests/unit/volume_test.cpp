@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <bit>
 #include <cmath>
 #include <csignal>
@@ -91,6 +92,18 @@ Volume example_both(std::size_t count) {
     return volume;
 }
 
+// The same with layers: one that is grey and has two bands, one of large numbers.
+Volume with_layers(Volume volume) {
+    Layer dim{"lamps", volume.coefficients, 0.25};
+    for (std::size_t i = 0; i < dim.coefficients.size(); ++i) {
+        dim.coefficients[i] = i % volume.sh_size() < 4 ? glm::vec3(0.5F * dim.coefficients[i].g) : glm::vec3(0);
+    }
+    Layer bright{"sky.0", volume.coefficients, 0};
+    for (glm::vec3& v : bright.coefficients) v *= glm::vec3(-1e6F, 2e6F, 3);
+    volume.layers = {dim, bright};
+    return volume;
+}
+
 bool same_bits(const std::vector<glm::vec3>& a, const std::vector<glm::vec3>& b) {
     return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(glm::vec3)) == 0);
 }
@@ -105,6 +118,12 @@ void expect_same(const Volume& got, const Volume& wanted) {
     EXPECT_TRUE(same_bits(got.errors, wanted.errors));
     EXPECT_TRUE(same_bits(got.axis_errors, wanted.axis_errors));
     EXPECT_TRUE(same_bits(got.offsets, wanted.offsets));
+    ASSERT_EQ(got.layers.size(), wanted.layers.size());
+    for (std::size_t i = 0; i < wanted.layers.size(); ++i) {
+        EXPECT_EQ(got.layers[i].name, wanted.layers[i].name);
+        EXPECT_EQ(got.layers[i].noise, wanted.layers[i].noise);
+        EXPECT_TRUE(same_bits(got.layers[i].coefficients, wanted.layers[i].coefficients)) << i;
+    }
     ASSERT_EQ(got.grids.size(), wanted.grids.size());
     for (std::size_t g = 0; g < wanted.grids.size(); ++g) {
         EXPECT_EQ(got.grids[g].origin, wanted.grids[g].origin);
@@ -208,6 +227,58 @@ TEST(Volume, RefusesWhatBreaksItsInvariants) {
     volume = example();
     volume.settings["a=b"] = "c";
     EXPECT_MENTIONS(complaint(volume), "equals sign");
+    volume = with_layers(example());
+    EXPECT_EQ(complaint(volume), "nothing");
+    volume.layers[1].coefficients.pop_back();
+    EXPECT_MENTIONS(complaint(volume), "layer \"sky.0\": ");
+    volume = with_layers(example());
+    volume.layers[0].coefficients[3].b = std::numeric_limits<float>::infinity();
+    EXPECT_MENTIONS(complaint(volume), "layer \"lamps\" 3, component 2, is inf");
+    for (const char* name : {"", "sky.0", "combined", "index", "validity"}) {
+        volume = with_layers(example());
+        volume.layers[0].name = name;
+        EXPECT_MENTIONS(complaint(volume), "name");
+    }
+    volume = with_layers(example());
+    volume.layers[0].noise = -1;
+    EXPECT_MENTIONS(complaint(volume), "noise -1");
+}
+
+TEST(Volume, TakesLayersAlong) {
+    Volume volume = with_layers(example());
+    volume.list = {glm::dvec3(7)};
+    const auto add_row = [&](std::vector<glm::vec3>& values, std::size_t per_slot) {
+        values.insert(values.end(), per_slot, glm::vec3(9));
+    };
+    volume.states.push_back(ProbeState::valid);
+    add_row(volume.coefficients, 9);
+    add_row(volume.errors, 9);
+    add_row(volume.axis_errors, 6);
+    add_row(volume.offsets, 1);
+    for (Layer& layer : volume.layers) add_row(layer.coefficients, 9);
+    Volume more = make_volume({volume.grids[0], volume.grids[1], {{0, 0, 0}, {1, 1, 1}, {4, 4, 4}}},
+                              {{2, {0, 0, 0}}}, 3);
+    for (const Layer& layer : volume.layers) more.layers.push_back({layer.name, {}, 0});
+    set_bands(more, 3);
+    more.layers[1].coefficients[0] = glm::vec3(5);
+    append(volume, more);
+    check_volume(volume);
+    for (const Layer& layer : volume.layers) EXPECT_EQ(layer.coefficients.back(), glm::vec3(9));
+    EXPECT_EQ(volume.layers[1].coefficients[(volume.bricks.size() - 1) * probes_per_brick * 9], glm::vec3(5));
+}
+
+TEST(Volume, MixesLayersColourByColour) {
+    const Volume volume = with_layers(example());
+    const std::array<glm::vec3, 2> weights{glm::vec3(2, 0, 1), glm::vec3(0.5F, 1, -1)};
+    const std::vector<glm::vec3> sum = mix_layers(volume, weights);
+    ASSERT_EQ(sum.size(), volume.coefficients.size());
+    for (const std::size_t i : {std::size_t{0}, std::size_t{5}, sum.size() - 1}) {
+        EXPECT_EQ(sum[i].r, 2 * volume.layers[0].coefficients[i].r + 0.5F * volume.layers[1].coefficients[i].r);
+        EXPECT_EQ(sum[i].g, volume.layers[1].coefficients[i].g);
+        EXPECT_EQ(sum[i].b, volume.layers[0].coefficients[i].b - volume.layers[1].coefficients[i].b);
+    }
+    EXPECT_EQ(find_layer(volume, "sky.0"), 1U);
+    EXPECT_FALSE(find_layer(volume, "sky"));
 }
 
 TEST(Volume, RefusesAGridTooLargeBeforeAllocatingIt) {
@@ -243,6 +314,38 @@ TEST(VolumeFile, ReturnsSingleProbesBesideGrids) {
         store_as_half(volume);
         expect_same(reread(encode_volume(volume)), volume);
     }
+}
+
+TEST(VolumeFile, ReturnsLayers) {
+    for (const Volume& volume : {with_layers(example()), with_layers(example_list()), with_layers(example(2))}) {
+        expect_same(reread(encode_volume(volume)), volume);
+        Volume half = volume;
+        store_as_half(half);
+        EXPECT_FALSE(same_bits(half.layers[1].coefficients, volume.layers[1].coefficients));
+        expect_same(reread(encode_volume(half)), half);
+    }
+    // A layer costs what is in it.
+    const Volume volume = with_layers(example(4));
+    EXPECT_EQ(stored_bytes(volume, volume.layers[0].coefficients), volume.slots() * 4 * 4);
+    EXPECT_EQ(stored_bytes(volume, volume.layers[1].coefficients), volume.slots() * 16 * 3 * 4);
+}
+
+TEST(VolumeFile, NamesALayerThatIsMissingOrDamaged) {
+    const std::string whole = encode_volume(with_layers(example()));
+    // The list of layers is the one place where a name stands behind its length.
+    std::string listed = whole;
+    const std::string entry("\5\0\0\0lamps", 9);
+    const std::size_t at = listed.find(entry, listed.find("lightgrid.layers"));
+    ASSERT_NE(at, std::string::npos);
+    listed.replace(at + 4, 5, "lumps");
+    EXPECT_MENTIONS(complaint(listed), "has no part \"lumps\"");
+    listed.replace(at + 4, 5, "sky.0");
+    EXPECT_MENTIONS(complaint(listed), "layer \"sky.0\" is listed twice");
+    listed.replace(at + 4, 5, "index");
+    EXPECT_MENTIONS(complaint(listed), "part \"index\"");
+    std::string silent = whole;
+    silent.replace(silent.find("lightgrid.noise"), 15, "lightgrid.moise");
+    EXPECT_MENTIONS(complaint(silent), "part \"lamps\": attribute \"lightgrid.noise\" is missing");
 }
 
 TEST(VolumeFile, HasTheSameBytesForTheSameVolume) {
