@@ -1,5 +1,6 @@
 #include "viewer/environment_light.h"
 
+#include "core/environment_sh.h"
 #include "core/sampling.h"
 #include "core/sh.h"
 
@@ -17,28 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int reference_samples = 1 << 18;
-constexpr std::uint64_t place_key = 0x1f0a;  // streams of random numbers
-constexpr std::uint32_t choice_key = 0x2e1b;
-
-/// Sums directions with what each stands for.
-class Projection {
-  public:
-    void add(glm::vec3 direction, glm::vec3 light) {
-        std::array<double, sh_size(most_bands)> basis{};
-        sh_basis(most_bands, glm::dvec3(direction), basis);
-        for (std::size_t i = 0; i < basis.size(); ++i) sum_[i] += basis[i] * glm::dvec3(light);
-    }
-    [[nodiscard]] Sh36 times(double factor) const {
-        Sh36 sh{};
-        for (std::size_t i = 0; i < sh.size(); ++i) sh[i] = glm::vec3(factor * sum_[i]);
-        return sh;
-    }
-
-  private:
-    std::array<glm::dvec3, sh_size(most_bands)> sum_{};
-};
-
 bool is_radiance_file(const fs::path& file) {
     std::string extension = file.extension().string();
     std::transform(extension.begin(), extension.end(), extension.begin(),
@@ -49,25 +28,25 @@ bool is_radiance_file(const fs::path& file) {
 }  // namespace
 
 Sh36 sample_environment(const Environment& environment, int samples, EnvironmentSampling sampling) {
-    Projection projection;
-    const auto count = static_cast<std::uint32_t>(samples);
-    if (sampling == EnvironmentSampling::evenly) {
-        for (const glm::vec3 direction : even_directions(count)) {
-            projection.add(direction, environment.radiance(direction));
-        }
-        return projection.times(4 * std::numbers::pi / samples);
+    Sh36 sh{};
+    if (sampling == EnvironmentSampling::by_brightness) {
+        const std::vector<glm::vec3> coefficients = project_environment(environment, most_bands, samples);
+        std::copy(coefficients.begin(), coefficients.end(), sh.begin());
+        return sh;
     }
-    for (std::uint32_t i = 0; i < count; ++i) {
-        const glm::vec2 place = sobol_point(i, place_key);
-        const float choice = sobol_point(shuffled_index(i, choice_key), choice_key).x;
-        const Environment::Sample sample = environment.sample({choice, place.x, place.y});
-        if (sample.pdf > 0) projection.add(sample.direction, sample.radiance / sample.pdf);
+    std::array<double, sh_size(most_bands)> basis{};
+    std::array<glm::dvec3, sh_size(most_bands)> sum{};
+    for (const glm::vec3 direction : even_directions(static_cast<std::uint32_t>(samples))) {
+        sh_basis(most_bands, glm::dvec3(direction), basis);
+        const glm::dvec3 light(environment.radiance(direction));
+        for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += basis[i] * light;
     }
-    return projection.times(1.0 / samples);
+    for (std::size_t i = 0; i < sh.size(); ++i) sh[i] = glm::vec3(4 * std::numbers::pi / samples * sum[i]);
+    return sh;
 }
 
 Sh36 reference_environment(const Environment& environment) {
-    return sample_environment(environment, reference_samples, EnvironmentSampling::by_brightness);
+    return sample_environment(environment, all_environment_samples, EnvironmentSampling::by_brightness);
 }
 
 double irradiance_difference(const Sh36& sh, const Sh36& reference) {
