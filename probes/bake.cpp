@@ -77,7 +77,7 @@ class Bake {
         trace_reference();
         solve_surfaces();
         if (surfaces_) {
-            gather_to_keep();
+            gather_transport();
         } else {
             gather();
         }
@@ -137,7 +137,7 @@ class Bake {
             const std::string too_much =
                 fmt::format("its bias is at least {}, above {}", rounded_percent(bias), rounded_percent(goal));
             if (finer == most_finer_caches) {
-                if (options_.target.error) leave_out_cache(too_much);
+                if (options_.target.error && options_.layers.empty()) leave_out_cache(too_much);
                 return;
             }
             cache_options.width /= 2;
@@ -151,9 +151,9 @@ class Bake {
         const Stopwatch watch;
         tell({"cache"});
         Surfaces surfaces = find_surfaces(paths_, plan_.points, cache_options);
-        if (options_.keep_transport) {
+        if (options_.keep_transport || !options_.layers.empty()) {
             surfaces_ = surfaces;
-            kept_options_ = cache_options;
+            surfaces_options_ = cache_options;
         }
         cache_ = light_surfaces(std::move(surfaces), cache_options);
         result_.method = Method::cache;
@@ -247,17 +247,18 @@ class Bake {
         add_stage("gather", watch.seconds(), counts);
     }
 
-    /// In place of gathering with the cache: what is traced is kept, and lit as it will be again.
-    void gather_to_keep() {
+    /// In place of gathering with the cache: what is traced can be lit again by other lights, and by each alone.
+    void gather_transport() {
         Stopwatch watch;
         PathCounts counts;
         const auto all = static_cast<double>(plan_.points.size());
-        result_.kept = trace_transport(paths_, plan_, std::move(*surfaces_), kept_options_, options_.seed, counts,
-                                       [&](std::size_t points) {
-                                           tell({"gather", static_cast<double>(points) / all});
-                                       });
+        KeptTransport kept = trace_transport(paths_, plan_, std::move(*surfaces_), surfaces_options_, options_.seed,
+                                             counts, [&](std::size_t points) {
+                                                 tell({"gather", static_cast<double>(points) / all});
+                                             });
         add_stage("gather", watch.lap(), counts);
-        light_from(*result_.kept);
+        light_from(kept);
+        if (options_.keep_transport) result_.kept = std::move(kept);
         const double seconds = watch.seconds();
         if (held_out_.points.empty()) return;
         const ErrorPart total = measure_error(result_.volume, held_out_).total;
@@ -268,7 +269,11 @@ class Bake {
     void light_from(const KeptTransport& kept) {
         const Stopwatch watch;
         tell({"light"});
-        const KeptLight light = light_probes(kept, paths_.tracer(), paths_.environment(), result_.volume);
+        const Tracer& tracer = paths_.tracer();
+        const Environment& environment = paths_.environment();
+        const KeptLight light = options_.layers.empty()
+                                    ? light_probes(kept, tracer, environment, result_.volume)
+                                    : light_layers(kept, tracer, environment, options_.layers, result_.volume);
         result_.method = Method::cache;
         result_.cache = light.made;
         result_.replicates = GatherOptions{}.replicates;
@@ -328,8 +333,8 @@ class Bake {
     BakeResult result_;
     HeldOut held_out_;
     std::optional<SurfaceCache> cache_;
-    std::optional<Surfaces> surfaces_;  // it is of, where transport is to be kept
-    CacheOptions kept_options_;         // of these
+    std::optional<Surfaces> surfaces_;  // it is of, where transport is to be kept, or lit layer by layer
+    CacheOptions surfaces_options_;     // of these
     std::vector<GatherSums> sums_;      // by batch
     std::optional<Volume> unrounded_;
 };

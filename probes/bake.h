@@ -3,6 +3,7 @@
 #include "core/stopwatch.h"
 #include "probes/error_report.h"
 #include "probes/kept_transport.h"
+#include "probes/layers.h"
 #include "probes/look_ups.h"
 #include "probes/paths.h"
 #include "probes/placement.h"
@@ -38,6 +39,7 @@ struct BakeOptions {
     bool measure_error = true;      // trace held-out points and report the error, at about a quarter of the cost
     bool compare_look_ups = false;  // where the error is measured: also with fewer bands, nearest probe, half and float
     bool keep_transport = false;    // with the cache, and no time budget: see BakeResult::kept
+    std::vector<LayerPlan> layers;  // with the cache, and no time budget; the paths' sources are those of their plan
     std::string environment;        // for the header: what lit the level besides its own lights
 };
 

@@ -3,30 +3,21 @@
 #include "core/hash.h"
 #include "core/parallel.h"
 #include "core/sampling.h"
-#include "core/sh.h"
 #include "probes/bake.h"
-
-#include <glm/gtc/constants.hpp>
+#include "probes/gather_light.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <mutex>
 #include <utility>
 
 namespace lightgrid {
 namespace {
 
-/// What the random numbers are for: each has a stream of its own.
-enum Stream : std::uint64_t { turning, others };
+constexpr std::uint32_t replicates = gather_replicates;
 
-constexpr std::uint32_t replicates = GatherOptions{}.replicates;
-
-std::uint64_t replicate_key(std::uint64_t seed, std::size_t point, std::uint32_t replicate) {
-    return mix_bits(mix_bits(mix_bits(seed, 1), point), replicate);
-}
-glm::mat3 rotation_of(std::uint64_t key) {
-    return random_rotation(mix_bits(key, turning));
+/// Of the random numbers of samples that are aimed at light which has changed.
+std::uint64_t others_seed(std::uint64_t seed) {
+    return mix_bits(seed, 1);
 }
 
 std::vector<glm::vec3> points_of(const KeptGather& gather, const Volume& volume, const Scene& scene) {
@@ -35,62 +26,6 @@ std::vector<glm::vec3> points_of(const KeptGather& gather, const Volume& volume,
     for (const std::uint64_t slot : gather.slots) points.emplace_back(gather_position(volume, slot) - scene.origin);
     return points;
 }
-
-/// A point's light: coefficients, and the irradiance of these along the six axes, replicate by replicate.
-class PointLight {
-  public:
-    explicit PointLight(int bands)
-        : bands_(bands),
-          coefficients_(static_cast<std::size_t>(sh_size(bands))),
-          values_(replicates * values(bands), glm::dvec3(0)) {}
-
-    [[nodiscard]] static std::size_t values(int bands) {
-        return static_cast<std::size_t>(sh_size(bands)) + axis_normals.size();
-    }
-
-    void add(std::uint32_t replicate, glm::vec3 direction, glm::dvec3 radiance) {
-        std::array<float, static_cast<std::size_t>(sh_size(max_sh_bands))> basis;
-        sh_basis(bands_, direction, std::span(basis.data(), coefficients_));
-        glm::dvec3* value = values_.data() + replicate * values(bands_);
-        for (std::size_t i = 0; i < coefficients_; ++i) value[i] += radiance * static_cast<double>(basis[i]);
-    }
-    void set(std::uint32_t replicate, std::span<const glm::vec3> coefficients) {
-        std::copy(coefficients.begin(), coefficients.end(),
-                  values_.begin() + static_cast<std::ptrdiff_t>(replicate * values(bands_)));
-    }
-
-    /// Mean and standard error over the replicates.
-    [[nodiscard]] std::vector<Estimate> estimates() {
-        const std::size_t n = values(bands_);
-        std::vector<glm::vec3> sh(coefficients_);
-        for (std::uint32_t r = 0; r < replicates; ++r) {
-            for (std::size_t i = 0; i < coefficients_; ++i) sh[i] = glm::vec3(values_[r * n + i]);
-            for (std::size_t axis = 0; axis < axis_normals.size(); ++axis) {
-                values_[r * n + coefficients_ + axis] = glm::dvec3(irradiance_from_sh(sh, axis_normals[axis]));
-            }
-        }
-        std::vector<Estimate> result(n);
-        for (std::size_t i = 0; i < n; ++i) {
-            // From the first: no cancellation where all agree.
-            glm::dvec3 sum(0);
-            glm::dvec3 squares(0);
-            for (std::uint32_t r = 1; r < replicates; ++r) {
-                const glm::dvec3 deviation = values_[r * n + i] - values_[i];
-                sum += deviation;
-                squares += deviation * deviation;
-            }
-            result[i].mean = values_[i] + sum / double{replicates};
-            const glm::dvec3 variance = (squares - sum * sum / double{replicates}) / double{replicates - 1};
-            result[i].error = glm::sqrt(glm::max(variance, 0.0) / double{replicates});
-        }
-        return result;
-    }
-
-  private:
-    int bands_;
-    std::size_t coefficients_;
-    std::vector<glm::dvec3> values_;
-};
 
 /// Light by samples aimed at sources, at one point.
 ///
@@ -152,7 +87,7 @@ class GatherTracer {
             }
             for (std::uint32_t r = 0; r < replicates; ++r) {
                 const std::size_t set = point * replicates + r;
-                follow(batch.points[point], rotation_of(replicate_key(seed, point, r)), even,
+                follow(batch.points[point], replicate_rotation(replicate_key(seed, point, r)), even,
                        std::span(gather.landed).subspan(set * gather.rays, gather.rays), ends[set], missing[set],
                        counted[point]);
             }
@@ -240,85 +175,6 @@ class GatherTracer {
     std::vector<std::vector<Missing>> missing_;  // by batch
 };
 
-/// What light brings to the points of a gather. Rays are summed up as they were before they were turned, for which their
-/// basis functions are known, and the sum is turned.
-class GatherLight {
-  public:
-    GatherLight(const KeptGather& gather, std::span<const glm::vec3> radiance, const LightChange& change,
-                const SkyLight& sky, int bands)
-        : gather_(gather),
-          radiance_(radiance),
-          change_(change),
-          sky_(sky),
-          bands_(bands),
-          coefficients_(static_cast<std::size_t>(sh_size(bands))),
-          even_(even_directions(gather.rays)),
-          basis_(even_.size() * coefficients_) {
-        for (std::size_t i = 0; i < even_.size(); ++i) {
-            sh_basis(bands, glm::dvec3(even_[i]), std::span(basis_).subspan(i * coefficients_, coefficients_));
-        }
-    }
-
-    /// other  light of sources that had to be traced: estimates by value
-    [[nodiscard]] std::vector<Estimate> at(std::size_t point, std::span<const Estimate> other) const {
-        PointLight light(bands_);
-        for (std::uint32_t r = 0; r < replicates; ++r) light.set(r, from_rays(point, r));
-        std::vector<Estimate> result = light.estimates();
-        const auto add = [&](std::size_t i, glm::dvec3 mean, glm::dvec3 error) {
-            result[i].mean += mean;
-            result[i].error = glm::sqrt(result[i].error * result[i].error + error * error);
-        };
-        for (std::size_t s = 0; s < gather_.aimed.size(); ++s) {
-            if (change_.factor[s] == glm::vec3(0)) continue;
-            const glm::dvec3 factor(change_.factor[s]);
-            for (std::size_t i = 0; i < result.size(); ++i) {
-                const KeptEstimate& aimed = gather_.aimed[s][point * result.size() + i];
-                add(i, factor * glm::dvec3(aimed.mean), factor * glm::dvec3(aimed.error));
-            }
-        }
-        for (std::size_t i = 0; i < other.size(); ++i) add(i, other[i].mean, other[i].error);
-        return result;
-    }
-
-  private:
-    [[nodiscard]] std::vector<glm::vec3> from_rays(std::size_t point, std::uint32_t replicate) const {
-        const std::size_t set = point * replicates + replicate;
-        const glm::mat3 rotation = rotation_of(replicate_key(gather_.seed, point, replicate));
-        const auto light_at = [&](std::uint32_t place, std::uint32_t ray) {
-            if (place == Transport::sky) return sky_.along(rotation * even_[ray]);
-            return place < RayEnd::emitter ? radiance_[place] : change_.factor[place - RayEnd::emitter];
-        };
-        std::vector<glm::dvec3> sum(coefficients_, glm::dvec3(0));
-        const auto add = [&](std::uint32_t ray, glm::vec3 light) {
-            const glm::dvec3 radiance(light);
-            const double* basis = basis_.data() + ray * coefficients_;
-            for (std::size_t i = 0; i < coefficients_; ++i) sum[i] += radiance * basis[i];
-        };
-        const std::uint32_t* landed = gather_.landed.data() + set * gather_.rays;
-        for (std::uint32_t i = 0; i < gather_.rays; ++i) {
-            if (landed[i] != Transport::none) add(i, light_at(landed[i], i));
-        }
-        for (std::uint64_t k = gather_.first_end[set]; k < gather_.first_end[set + 1]; ++k) {
-            const RayEnd& end = gather_.ends[k];
-            if (end.at != Transport::none) add(end.ray, end.share * light_at(end.at, end.ray));
-        }
-        std::vector<glm::vec3> result;
-        const double share = 4 * glm::pi<double>() / gather_.rays;
-        for (const glm::dvec3& value : sum) result.emplace_back(share * value);
-        ShRotation(bands_, glm::dmat3(rotation)).apply(result);
-        return result;
-    }
-
-    const KeptGather& gather_;
-    std::span<const glm::vec3> radiance_;
-    const LightChange& change_;
-    const SkyLight& sky_;
-    int bands_;
-    std::size_t coefficients_;
-    std::vector<glm::vec3> even_;  // directions
-    std::vector<double> basis_;    // of these
-};
-
 }  // namespace
 
 KeptTransport trace_transport(const PathTracer& paths, const BakePlan& plan, Surfaces surfaces,
@@ -376,16 +232,17 @@ KeptLight light_probes(const KeptTransport& kept, const Tracer& tracer, const En
     result.made.residual = solution.residual;
     result.radiance.assign(solution.light.begin(), solution.light.end());
 
+    const LightSeen seen{result.radiance, change.factor, [&](glm::vec3 direction) { return sky.along(direction); }};
     for (const KeptGather& gather : kept.gathers) {
         const std::vector<glm::vec3> points =
             others ? points_of(gather, volume, tracer.scene()) : std::vector<glm::vec3>();
-        const GatherLight light(gather, result.radiance, change, sky, volume.bands);
+        const GatherLight light(gather, seen, volume.bands);
         std::vector<PathCounts> counted(gather.slots.size());
         for_each_index(gather.slots.size(), [&](std::size_t point) {
             std::vector<Estimate> other;
             if (others) {
                 std::vector<PointLight> aimed(1, PointLight(volume.bands));
-                aim(*others, points[point], point, mix_bits(gather.seed, Stream::others), gather.rays, 0, sky, aimed,
+                aim(*others, points[point], point, others_seed(gather.seed), gather.rays, 0, sky, aimed,
                     counted[point]);
                 other = aimed[0].estimates();
             }

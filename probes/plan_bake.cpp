@@ -161,6 +161,19 @@ std::vector<LeftOut> unused_estimators(const PathTracer& paths) {
     return left_out;
 }
 
+/// Groups of lights that are no layers.
+void leave_out_layers(BakePlan& plan, const Scene& scene, const BakeOptions& options) {
+    const auto nobody_asked = [&](const std::string& group) {
+        return std::none_of(options.layers.begin(), options.layers.end(),
+                            [&](const LayerPlan& layer) { return layer.name == group; });
+    };
+    const auto count = std::count_if(scene.groups.begin(), scene.groups.end(), nobody_asked);
+    if (count == 0) return;
+    const std::size_t bytes = plan.volume.coefficients.size() * sizeof(glm::vec3);
+    plan.left_out.push_back({fmt::format("layers of {} groups of lights", count), "nobody asked for them (--layers)",
+                             fmt::format("{:.2f} MB each at most", static_cast<double>(bytes) * 1e-6)});
+}
+
 /// Per probe, in powers of two, as the cache wants them.
 std::uint32_t cache_rays(std::uint32_t samples, std::size_t probes) {
     const double wanted = cache_samples_per_sample * samples / static_cast<double>(std::max<std::size_t>(1, probes));
@@ -353,7 +366,7 @@ BakePlan plan_bake(const PathTracer& paths, const BakeOptions& options, const Pr
     list_probes(plan, scene);
     plan.left_out = scene.left_out;
     plan.method = options.method;
-    if (options.method == Method::cache && plan.points.size() < least_cache_probes) {
+    if (options.method == Method::cache && plan.points.size() < least_cache_probes && options.layers.empty()) {
         plan.method = Method::path;
         plan.left_out.push_back({"the surface cache", fmt::format("{} probes are few", plan.points.size()),
                                  "solving for the light of all surfaces"});
@@ -382,6 +395,7 @@ BakePlan plan_bake(const PathTracer& paths, const BakeOptions& options, const Pr
     plan.samples = plan.batches.empty() ? 0 : plan.batches.front().samples;
     plan.cache = cache_options(plan, scene, options);
     for (LeftOut& item : unused_estimators(paths)) plan.left_out.push_back(std::move(item));
+    leave_out_layers(plan, scene, options);
     const std::size_t probes = plan.placement.valid + plan.placement.moved + plan.placement.invalid;
     if (probes > plan.points.size()) {
         const std::size_t left_out = probes - plan.points.size();
@@ -393,11 +407,15 @@ BakePlan plan_bake(const PathTracer& paths, const BakeOptions& options, const Pr
     }
     plan.held_out = held_out_options(plan, options, paths_per_ray, path_seconds);
     plan.seconds_estimate = gather_rays(plan) * cost.seconds * (options.measure_error ? 1 + reference_share : 1);
-    // Running sums, a replicate and the result for each point (GatherSums); two volumes, the plan's and the result's.
+    // Running sums, a replicate and the result for each point (GatherSums); two volumes, the plan's and the result's;
+    // layers; and where each gather ray went, where that is kept.
     const std::size_t values = plan.volume.sh_size() + 6;
     plan.bytes_estimate =
         static_cast<double>(plan.points.size() * values * 7 * sizeof(glm::dvec3) +
-                            plan.volume.slots() * (values + plan.volume.sh_size()) * 2 * sizeof(glm::vec3));
+                            plan.volume.slots() * (values + plan.volume.sh_size()) * 2 * sizeof(glm::vec3) +
+                            options.layers.size() * plan.volume.coefficients.size() * sizeof(glm::vec3));
+    const bool keeps_rays = options.keep_transport || !options.layers.empty();
+    if (keeps_rays) plan.bytes_estimate += gather_rays(plan) * sizeof(std::uint32_t);
     return plan;
 }
 

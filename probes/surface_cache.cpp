@@ -55,6 +55,41 @@ glm::vec3 side_normal(const Surface& surface) {
     return surface.front ? surface.normal : -surface.normal;
 }
 
+/// What a sky sends along a patch's rays that left the level, its samples taken one after the other.
+class SkyOfPatch {
+  public:
+    SkyOfPatch(const Transport& transport, const CacheOptions& options, std::size_t patch)
+        : transport_(transport),
+          first_(transport.first_sample[patch]),
+          rays_(options.seed, patch, transport.rays),
+          passed_(std::lower_bound(transport.passed.begin(), transport.passed.end(), first_,
+                                   [](const Transport::PassedRay& ray, std::uint32_t s) { return ray.from < s; })) {}
+
+    /// Summed over rays of sample s.
+    ///
+    /// radiance  of the sky, by direction
+    template <typename Radiance>
+    glm::vec3 to_sample(std::uint32_t s, glm::vec3 normal, Radiance radiance) {
+        glm::vec3 sum(0);
+        for (std::uint32_t r = 0; r < transport_.rays; ++r) {
+            if (transport_.landed[std::size_t{s} * transport_.rays + r] != Transport::sky) continue;
+            sum += radiance(rays_.direction(normal, s - first_, r));
+        }
+        while (passed_ != transport_.passed.end() && passed_->from < s) ++passed_;
+        for (; passed_ != transport_.passed.end() && passed_->from == s; ++passed_) {
+            if (passed_->patch != Transport::sky) continue;
+            sum += passed_->share * radiance(rays_.direction(normal, s - first_, passed_->ray));
+        }
+        return sum;
+    }
+
+  private:
+    const Transport& transport_;
+    std::uint32_t first_;
+    CarryingRays rays_;
+    std::vector<Transport::PassedRay>::const_iterator passed_;
+};
+
 class SurfaceFinder {
   public:
     SurfaceFinder(const PathTracer& paths, const CacheOptions& options)
@@ -339,12 +374,10 @@ std::vector<glm::dvec3> trace_direct(const PathTracer& paths, const Transport& t
                                      const CacheOptions& options, PathCounts& counts) {
     std::vector<glm::dvec3> direct(transport.patches());
     std::vector<PathCounts> counted(direct.size());
-    const auto before = [](const Transport::PassedRay& ray, std::uint32_t sample) { return ray.from < sample; };
     for_each_index(direct.size(), [&](std::size_t patch) {
         const std::uint32_t begin = transport.first_sample[patch];
         const std::uint64_t key = mix_bits(mix_bits(options.seed, patch), lighting);
-        const CarryingRays rays(options.seed, patch, transport.rays);
-        auto passed = std::lower_bound(transport.passed.begin(), transport.passed.end(), begin, before);
+        SkyOfPatch sky_of_patch(transport, options, patch);
         for (std::uint32_t s = begin; s < transport.first_sample[patch + 1]; ++s) {
             if (places[s].albedo == glm::vec3(0)) continue;
             const Surface surface = paths.tracer().surface(places[s].hit, places[s].direction);
@@ -355,20 +388,28 @@ std::vector<glm::dvec3> trace_direct(const PathTracer& paths, const Transport& t
                                {&sampled, 1}, counted[patch]);
             direct[patch] += glm::dvec3(places[s].albedo * sampled);
             if (sky.is_black()) continue;
-            glm::vec3 from_rays(0);
-            for (std::uint32_t r = 0; r < transport.rays; ++r) {
-                if (transport.landed[std::size_t{s} * transport.rays + r] != Transport::sky) continue;
-                from_rays += sky.along(rays.direction(normal, s - begin, r));
-            }
-            while (passed != transport.passed.end() && passed->from < s) ++passed;
-            for (; passed != transport.passed.end() && passed->from == s; ++passed) {
-                if (passed->patch != Transport::sky) continue;
-                from_rays += passed->share * sky.along(rays.direction(normal, s - begin, passed->ray));
-            }
+            const glm::vec3 from_rays =
+                sky_of_patch.to_sample(s, normal, [&](glm::vec3 direction) { return sky.along(direction); });
             direct[patch] += glm::dvec3(transport.weights[s] * from_rays);
         }
     });
     for (const PathCounts& c : counted) counts += c;
+    return direct;
+}
+
+std::vector<glm::dvec3> direct_from_sky(const Tracer& tracer, const Transport& transport,
+                                        std::span<const PatchPlace> places,
+                                        const std::function<glm::vec3(glm::vec3)>& radiance,
+                                        const CacheOptions& options) {
+    std::vector<glm::dvec3> direct(transport.patches());
+    for_each_index(direct.size(), [&](std::size_t patch) {
+        SkyOfPatch sky(transport, options, patch);
+        for (std::uint32_t s = transport.first_sample[patch]; s < transport.first_sample[patch + 1]; ++s) {
+            if (places[s].albedo == glm::vec3(0)) continue;
+            const glm::vec3 normal = side_normal(tracer.surface(places[s].hit, places[s].direction));
+            direct[patch] += glm::dvec3(transport.weights[s] * sky.to_sample(s, normal, radiance));
+        }
+    });
     return direct;
 }
 

@@ -7,6 +7,7 @@
 #include <glm/glm.hpp>
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -107,6 +108,14 @@ struct SeenPlace {
 [[nodiscard]] std::vector<glm::dvec3> trace_direct(const PathTracer& paths, const Transport& transport,
                                                    std::span<const PatchPlace> places, const SkyLight& sky,
                                                    const CacheOptions& options, PathCounts& counts);
+
+/// What comes to the same patches straight from a sky, by the transport's rays alone: no ray is traced.
+///
+/// radiance  of the sky, by direction; any sign; called from any thread
+[[nodiscard]] std::vector<glm::dvec3> direct_from_sky(const Tracer& tracer, const Transport& transport,
+                                                      std::span<const PatchPlace> places,
+                                                      const std::function<glm::vec3(glm::vec3)>& radiance,
+                                                      const CacheOptions& options);
 
 /// All bounces of the light of all sources.
 [[nodiscard]] SurfaceCache light_surfaces(Surfaces surfaces, const CacheOptions& options);

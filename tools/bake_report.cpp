@@ -256,6 +256,11 @@ void print_result(const Messages& messages, const BakePlan& plan, const BakeResu
     } else {
         messages.line("error      " + result.no_error_because);
     }
+    for (const Layer& layer : result.volume.layers) {
+        messages.line(fmt::format("layer      {}: {}, noise {}", layer.name,
+                                  bytes_text(static_cast<double>(stored_bytes(result.volume, layer.coefficients))),
+                                  percent(layer.noise)));
+    }
     if (!result.verdict.empty()) messages.line("target     " + result.verdict);
     for (std::size_t i = plan.left_out.size(); i < result.left_out.size(); ++i)
         print_left_out(messages, result.left_out[i]);
@@ -308,6 +313,12 @@ json bake_report(const Tracer& tracer, const BakePlan& plan, const BakeResult& r
                         {"invalid", plan.placement.invalid},
                         {"filled", result.filled}};
     report["noise"] = result.noise.relrmse;
+    report["layers"] = json::array();
+    for (const Layer& layer : result.volume.layers) {
+        report["layers"].push_back({{"name", layer.name},
+                                    {"bytes", stored_bytes(result.volume, layer.coefficients)},
+                                    {"noise", layer.noise}});
+    }
     report["error"] = error_json(result);
     report["target"] = target_json(plan, result, options);
     report["curve"] = json::array();

@@ -9,6 +9,7 @@
 #include "core/whole_file.h"
 #include "probes/bake.h"
 #include "probes/kept_transport.h"
+#include "probes/layers.h"
 #include "probes/volume_file.h"
 #include "tools/bake_report.h"
 #include "tools/csv.h"
@@ -75,10 +76,6 @@ Method parse_method(const std::string& name) {
     throw Error(fmt::format("{} is not known: there are path and cache", name));
 }
 
-void parse_layers(const std::string& names) {
-    if (names != "combined") throw Error(fmt::format("{} is not in this version: use combined", names));
-}
-
 void add_options(CLI::App& app, Call& call) {
     app.add_option("level", call.level, "The level, .gltf or .glb; none: one probe of the environment")
         ->type_name("LEVEL");
@@ -133,9 +130,11 @@ void add_options(CLI::App& app, Call& call) {
         ->type_name("N")
         ->check(number(0, 4096, true))
         ->group(how);
-    app.add_option("--layers", call.layers, "combined: all light in one")
+    app.add_option("--layers", call.layers,
+                   "Parts of the light to be mixed at run time, besides all light in one (combined): direct,indirect; "
+                   "or any of sky (any sky can be put in), groups (all groups of lights), and names of groups")
         ->type_name("NAMES")
-        ->check(checked(parse_layers))
+        ->check(checked([](const std::string& names) { static_cast<void>(parse_layers(names)); }))
         ->capture_default_str()
         ->group(how);
     app.add_option(
@@ -176,6 +175,17 @@ void check(const Call& call) {
     }
     if (!call.keep_transport.empty() && parse_method(call.method) != Method::cache) {
         wrong.emplace_back("--keep-transport needs --method cache: paths have nothing to keep");
+    }
+    if (parse_layers(call.layers).any()) {
+        if (parse_method(call.method) != Method::cache) {
+            wrong.emplace_back("--layers needs --method cache: paths do not tell the layers apart");
+        }
+        if (!call.target.time_budget.empty()) {
+            wrong.emplace_back("--layers excludes --time-budget: layers are traced whole, whatever that takes");
+        }
+        if (!call.keep_transport.empty()) {
+            wrong.emplace_back("--layers excludes --keep-transport: kept transport tells other sources apart");
+        }
     }
     try {
         static_cast<void>(parse_target(call.target));
@@ -309,13 +319,22 @@ int bake(const Call& call) {
     options.environment = light.description;
     const Scene scene = call.level.empty() ? empty_scene() : load_level(call.level, {call.scene});
     std::vector<Stage> stages{{"load", watch.lap(), 0}};
+    const LayerChoice choice = parse_layers(call.layers);
+    const LayersPlan layers = plan_layers(choice, scene, light.environment);
+    options.layers = layers.layers;
     const Tracer tracer(scene);
     const PathTracer paths(tracer, light.environment,
-                           options.keep_transport ? separate_sources(scene, light.environment) : LightSources());
+                           options.keep_transport ? separate_sources(scene, light.environment) : layers.sources);
+    // Where a sky is to be put in later, probes are placed and samples counted as if there were one.
+    const Environment sky_to_come = Environment::uniform(glm::vec3(1));
+    std::optional<PathTracer> under_sky;
+    if (choice.sky && light.environment.is_black()) under_sky.emplace(tracer, sky_to_come);
     stages.push_back({"build", watch.lap(), 0});
     for (const std::string& notice : light.notices) messages.notice(notice);
     for (const std::string& notice : scene.notices) messages.notice(notice);
-    if (!has_light(paths)) {
+    if (!has_light(paths) && choice.sky) {
+        messages.notice("there is no light but that of skies to come: the combined light will be black");
+    } else if (!has_light(paths)) {
         messages.warning(
             "the level has no light of its own and none was given: all probes will be black. "
             "Add --sky 1,1,1 or --environment FILE");
@@ -329,7 +348,7 @@ int bake(const Call& call) {
     const std::optional<KeptTransport> kept =
         options.keep_transport ? find_transport(call, fingerprint, light.environment, messages) : std::nullopt;
     if (options.keep_transport) stages.push_back({"kept", watch.lap(), 0});
-    BakePlan plan = kept ? plan_of(*kept, scene) : plan_bake(paths, options, progress);
+    BakePlan plan = kept ? plan_of(*kept, scene) : plan_bake(under_sky ? *under_sky : paths, options, progress);
     line.finish();
     plan.stages.insert(plan.stages.begin(), stages.begin(), stages.end());
     print_plan(messages, scene, tracer, plan, options);

@@ -403,6 +403,10 @@ std::string settings_section(const json& report) {
     entry("Samples", fmt::format("{} per probe in {} replicates: {}", grouped(report["samples"].get<unsigned>()),
                                  report["replicates"].get<int>(), report["why_samples"].get<std::string>()));
     entry("Bands", fmt::format("{}, stored as {}", report["bands"].get<int>(), report["storage"].get<std::string>()));
+    for (const json& layer : report["layers"]) {
+        entry("Layer", fmt::format("{}: {}, noise {}", layer["name"].get<std::string>(), bytes_text(layer["bytes"]),
+                                   percent_text(layer["noise"])));
+    }
     entry("Method", report["method"]);
     entry("Seed", fmt::format("{}", report["seed"].get<std::uint64_t>()));
     entry("File", fmt::format("{}, {}", report["output"].get<std::string>(), bytes_text(report["bytes"])));

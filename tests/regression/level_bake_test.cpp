@@ -27,8 +27,11 @@ class LevelBake : public ProgramTest {
     [[nodiscard]] std::string bytes(const std::string& name) const { return read_whole_file(folder() / name); }
 
     /// A square floor of 2 m at y = 0 that reflects half of the light, and nodes of a test's own.
-    void write_floor(const std::string& name, const std::vector<nlohmann::json>& nodes = {}) const {
-        write_level(name, {{-1, 0, 1}, {1, 0, 1}, {1, 0, -1}, {-1, 0, -1}}, {0, 1, 2, 0, 2, 3}, nodes);
+    ///
+    /// lights  of KHR_lights_punctual, for the nodes
+    void write_floor(const std::string& name, const std::vector<nlohmann::json>& nodes = {},
+                     const std::vector<nlohmann::json>& lights = {}) const {
+        write_level(name, {{-1, 0, 1}, {1, 0, 1}, {1, 0, -1}, {-1, 0, -1}}, {0, 1, 2, 0, 2, 3}, nodes, lights);
     }
     /// A solid cube of 2 m about the origin.
     void write_block(const std::string& name) const {
@@ -40,8 +43,13 @@ class LevelBake : public ProgramTest {
 
   private:
     void write_level(const std::string& name, const std::vector<glm::vec3>& corners,
-                     const std::vector<std::uint32_t>& triangles, const std::vector<nlohmann::json>& nodes = {}) const {
+                     const std::vector<std::uint32_t>& triangles, const std::vector<nlohmann::json>& nodes = {},
+                     const std::vector<nlohmann::json>& lights = {}) const {
         GltfBuilder gltf;
+        if (!lights.empty()) {
+            gltf.use("KHR_lights_punctual");
+            gltf.json["extensions"]["KHR_lights_punctual"]["lights"] = lights;
+        }
         const int grey = gltf.add("materials", {{"pbrMetallicRoughness", {{"baseColorFactor", {0.5, 0.5, 0.5, 1}}}}});
         const int mesh = gltf.mesh({{"attributes", {{"POSITION", gltf.vec3s(corners)}}},
                                     {"indices", gltf.indices(triangles)},
@@ -532,12 +540,49 @@ TEST_F(LevelBake, PlacesProbesTheSameWithAnyNumberOfThreads) {
     }
 }
 
-// ---- What another version will have
+// ---- Layers
 
-TEST_F(LevelBake, RefusesByNameWhatIsNotInThisVersion) {
-    for (const char* option : {"--layers direct,indirect"}) {
-        expect_refused(cornell + " " + option, "is not in this version");
-    }
+TEST_F(LevelBake, BakesLayersOfGroupsAndListsThem) {
+    const nlohmann::json lamp = {{"translation", {0, 1, 0}},
+                                 {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}},
+                                 {"extras", {{"lightgrid", {{"group", "lamps"}}}}}};
+    nlohmann::json sign = lamp;
+    sign["extras"]["lightgrid"]["group"] = "signs";
+    write_floor("lit.glb", {lamp, sign}, {{{"type", "point"}, {"intensity", 5}}});
+    const std::string call = "lit.glb --sky 1,1,1 --spacing 0.5 --samples 64 ";
+    const nlohmann::json report = json(call + "--layers groups --json -o lit.exr");
+    ASSERT_EQ(report["layers"].size(), 3U);
+    EXPECT_EQ(report["layers"][0]["name"], "lamps");
+    EXPECT_EQ(report["layers"][1]["name"], "signs");
+    EXPECT_EQ(report["layers"][2]["name"], "other");
+    EXPECT_GT(report["layers"][0]["bytes"], 0);
+    EXPECT_GT(report["layers"][2]["noise"], 0);
+    const Volume volume = load_volume(folder() / "lit.exr");
+    ASSERT_EQ(volume.layers.size(), 3U);
+    // Both lights stand at one place.
+    EXPECT_EQ(volume.layers[0].coefficients, volume.layers[1].coefficients);
+    EXPECT_NE(run(call + "--layers lamps -o lit.exr").err.find("layers of 1 groups of lights: nobody asked for them"),
+              std::string::npos);
+    expect_refused("lit.glb --layers lmaps",
+                   "lit.glb: there is no group \"lmaps\" of lights. Choose among: lamps, signs.");
+}
+
+TEST_F(LevelBake, BakesTheLightOfSkiesToCome) {
+    write_floor("floor.glb");
+    const Result result = run("floor.glb --layers sky --spacing 0.5 --samples 64 -o floor.exr");
+    EXPECT_EQ(result.status, 0) << result.err;
+    EXPECT_NE(result.err.find("there is no light but that of skies to come"), std::string::npos) << result.err;
+    const Volume volume = load_volume(folder() / "floor.exr");
+    ASSERT_EQ(volume.layers.size(), 9U);
+    EXPECT_NE(volume.layers[0].coefficients[0], glm::vec3(0));
+}
+
+TEST_F(LevelBake, RefusesLayersThatDoNotGoWithTheRest) {
+    expect_refused(cornell + " --layers direct", "direct,indirect are two halves");
+    expect_refused(cornell + " --layers sky --method path", "--layers needs --method cache");
+    expect_refused(cornell + " --layers sky --time-budget 60s", "--layers excludes --time-budget");
+    expect_refused(cornell + " --layers sky --keep-transport k", "--layers excludes --keep-transport");
+    expect_refused(cornell + " --layers groups", "has no groups of lights");
     expect_refused(cornell + " --method photon", "photon is not known");
 }
 

@@ -78,6 +78,7 @@ json report_of(const std::string& text) {
             }
         }
     }
+    report["layers"] = {{{"name", text}, {"bytes", 1000}, {"noise", 0.02}}};
     report["left_out"] = {{{"what", text}, {"evidence", text}, {"saved", text}}};
     report["stages"] = {{{"name", text}, {"seconds", 0.5}, {"rays", 0}},
                         {{"name", "gather"}, {"seconds", 4}, {"rays", 4000}}};
@@ -98,7 +99,7 @@ json unmeasured_report() {
                          {"bias", nullptr},
                          {"storage", nullptr}}}};
     report["halving"] = nullptr;
-    for (const char* empty : {"curve", "look_ups", "remedies", "grids", "left_out"}) report[empty] = json::array();
+    for (const char* empty : {"curve", "look_ups", "remedies", "grids", "layers", "left_out"}) report[empty] = json::array();
     return report;
 }
 
