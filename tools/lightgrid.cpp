@@ -71,6 +71,10 @@ void add_query(CLI::App& program) {
         ->delimiter(',')
         ->check(finite())
         ->expected(3);
+    verb->add_option("--layers", options->layers,
+                     "Mixes layers: weights or colours by name, lamps=2,signs=1,0.5,0; others are off. sky=R,G,B or "
+                     "sky=FILE: the sky of a transfer (default: the combined light)")
+        ->type_name("NAME=W,...");
     verb->add_flag("--dering", options->dering, "Window the light at each point so that irradiance is never negative");
     verb->callback([options, sky] {
         if (!sky->empty()) options->sky = {(*sky)[0], (*sky)[1], (*sky)[2]};

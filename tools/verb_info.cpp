@@ -59,6 +59,11 @@ void print_text(const std::string& path, std::size_t bytes, const Volume& volume
         line("",
              fmt::format("{:.3g} % at the worst probe, {}", 100 * summary.worst_noise, place(summary.worst_position)));
     }
+    for (const Layer& layer : volume.layers) {
+        line(("layer " + layer.name).c_str(),
+             fmt::format("{} bytes before compression, standard error {:.3g} % of its irradiance",
+                         stored_bytes(volume, layer.coefficients), 100 * layer.noise));
+    }
     line("conventions", std::string(volume_conventions));
     for (const auto& [name, value] : volume.settings) line(name.c_str(), value);
 }
@@ -100,6 +105,12 @@ void print_json(const std::string& path, std::size_t bytes, const Volume& volume
                           {"worst_relative_error", summary.worst_noise},
                           {"worst_position", nullptr}};
     if (summary.worst_noise > 0) json["irradiance"]["worst_position"] = to_json(summary.worst_position);
+    json["layers"] = nlohmann::ordered_json::array();
+    for (const Layer& layer : volume.layers) {
+        json["layers"].push_back({{"name", layer.name},
+                                  {"bytes", stored_bytes(volume, layer.coefficients)},
+                                  {"relative_error", layer.noise}});
+    }
     json["conventions"] = volume_conventions;
     json["settings"] = volume.settings;
     // Paths need not be UTF-8.

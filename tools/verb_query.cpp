@@ -3,6 +3,7 @@
 #include "probes/sampler.h"
 #include "probes/volume_file.h"
 #include "tools/csv.h"
+#include "tools/layer_options.h"
 #include "tools/verbs.h"
 
 #include <cmath>
@@ -48,6 +49,14 @@ void write_irradiance(const Sampler& sampler, int bands, const Points& points, c
     out.finish();
 }
 
+std::vector<glm::vec3> layer_weights(const QueryOptions& options, const Volume& volume) {
+    try {
+        return parse_layer_weights(options.layers, volume);
+    } catch (const Error& error) {
+        throw error.inside("--layers");
+    }
+}
+
 }  // namespace
 
 void run_query(const QueryOptions& options) {
@@ -65,6 +74,9 @@ void run_query(const QueryOptions& options) {
     how.outside = options.outside == "fade" ? Outside::fade : Outside::clamp;
     how.fade_distance = options.fade_distance;
     how.environment = environment;
+    const std::vector<glm::vec3> layers = options.layers.empty() ? std::vector<glm::vec3>()
+                                                                 : layer_weights(options, volume);
+    how.layers = layers;
     options.sh ? write_coefficients(sampler, volume.bands, points, how, options.dering)
                : write_irradiance(sampler, volume.bands, points, how, options.dering);
 }

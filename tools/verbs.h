@@ -23,6 +23,7 @@ struct QueryOptions {
     float normal_bias = 0;
     std::string outside = "clamp";  // or "fade"
     float fade_distance = 1;
+    std::string layers;   // weights of layers (layer_options.h); empty: the combined light
     glm::vec3 sky{0};     // radiance that `fade` goes to, the same from everywhere
     bool dering = false;  // windows the coefficients at each point so that irradiance is nowhere negative
 };

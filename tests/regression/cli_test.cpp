@@ -1,5 +1,6 @@
 // Runs the built `lightgrid` as a user or a script does.
 
+#include "core/image.h"
 #include "core/sh.h"
 #include "probes/half_storage.h"
 #include "probes/volume_file.h"
@@ -22,6 +23,7 @@ class Cli : public ProgramTest {
     void SetUp() override {
         save_volume(linear_volume(), folder() / "hall.probes.exr");
         save_volume(list(), folder() / "list.probes.exr");
+        save_volume(layered_volume(), folder() / "layers.probes.exr");
         write("points.csv", "x,y,z\n0.5,1,1.5\n-9,1,1\n");
     }
 
@@ -37,6 +39,22 @@ class Cli : public ProgramTest {
         }
         volume.states[1] = ProbeState::missing;  // at (1, 0, 0)
         volume.settings = {{"level", "hall.glb"}, {"replicates", "16"}, {"seed", "7"}};
+        return volume;
+    }
+
+    /// The same light in layers: red and green as they are, and a sky.
+    static Volume layered_volume() {
+        Volume volume = linear_volume();
+        volume.layers = {{"red", volume.coefficients, 0.125}, {"green", volume.coefficients, 0}};
+        for (glm::vec3& c : volume.layers[0].coefficients) c *= glm::vec3(1, 0, 0);
+        for (glm::vec3& c : volume.layers[1].coefficients) c *= glm::vec3(0, 1, 0);
+        for (int i = 0; i < 9; ++i) {
+            Layer layer{sky_layer(i), std::vector<glm::vec3>(volume.coefficients.size()), 0};
+            for (std::size_t slot = 0; slot < volume.slots(); ++slot) {
+                layer.coefficients[slot * 9 + i] = glm::vec3(0.5F);
+            }
+            volume.layers.push_back(layer);
+        }
         return volume;
     }
 
@@ -145,6 +163,38 @@ TEST_F(Cli, QueryRefusesWhatItCannotAnswer) {
     expect_refused("query hall.probes.exr --points points.csv --sh --normal-bias 1", "--sh");
 }
 
+TEST_F(Cli, QueryMixesLayers) {
+    write("point.csv", "x,y,z,nx,ny,nz\n0.5,1,1.5,0,1,0\n");
+    const auto mixed = [&](const std::string& layers) {
+        const CsvTable table = csv("query layers.probes.exr --points point.csv" + layers);
+        return glm::dvec3(table.number(0, 6), table.number(0, 7), table.number(0, 8));
+    };
+    const auto expect = [](glm::dvec3 found, glm::dvec3 wanted) {
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c], wanted[c], 1e-4) << c;
+    };
+    expect(mixed(""), M_PI * glm::dvec3(1.5, 0.75, 0));
+    expect(mixed(" --layers red=1,green=1"), M_PI * glm::dvec3(1.5, 0.75, 0));
+    expect(mixed(" --layers red=2"), M_PI * glm::dvec3(3, 0, 0));
+    expect(mixed(" --layers green=5,4,3,red=0.5"), M_PI * glm::dvec3(0.75, 3, 0));
+    // Half of a sky comes through.
+    expect(mixed(" --layers sky=1,2,3"), M_PI * glm::dvec3(0.5, 1, 1.5));
+    expect(mixed(" --layers sky=4,red=1"), M_PI * glm::dvec3(3.5, 2, 2));
+    RadianceImage image{8, 4, std::vector<glm::vec3>(32, glm::vec3(2, 4, 6))};
+    write_exr(image, folder() / "sky.exr");
+    expect(mixed(" --layers sky=sky.exr"), M_PI * glm::dvec3(1, 2, 3));
+}
+
+TEST_F(Cli, QueryRefusesLayersThatThereAreNot) {
+    const std::string query = "query layers.probes.exr --points points.csv --layers ";
+    expect_refused(query + "blue=1", "there is no layer \"blue\". Choose among: sky, red, green, sky.0");
+    expect_refused(query + "red", "\"red\" is no list of layers and weights, like lamps=2,signs=1,0.5,0");
+    expect_refused(query + "red=1,2", "\"1,2\" is not 3 numbers");
+    expect_refused(query + "red=much", "--layers");
+    expect_refused(query + "red=1,red=2", "layer red is given twice");
+    expect_refused(query + "sky=none.hdr", "sky=none.hdr is neither a file that there is nor radiance");
+    expect_refused("query hall.probes.exr --points points.csv --layers red=1", "the volume has no layers");
+}
+
 // ---- probes, info
 
 TEST_F(Cli, ProbesPrintsTheGridWithXFastest) {
@@ -186,6 +236,12 @@ TEST_F(Cli, InfoTellsEverythingAsTextAndAsJson) {
     EXPECT_EQ(info["bytes"], fs::file_size(folder() / "hall.probes.exr"));
     EXPECT_NEAR(info["irradiance"]["standard_error"].get<double>(), 0.02, 1e-6);
     EXPECT_EQ(json("info list.probes.exr --json")["kind"], "list");
+    EXPECT_EQ(info["layers"], nlohmann::json::array());
+    const nlohmann::json layers = json("info layers.probes.exr --json")["layers"];
+    ASSERT_EQ(layers.size(), 11U);
+    EXPECT_EQ(layers[0], nlohmann::json({{"name", "red"}, {"bytes", 128 * 3 * 4}, {"relative_error", 0.125}}));
+    EXPECT_NE(run("info layers.probes.exr").out.find("layer green     1536 bytes before compression"),
+              std::string::npos);
 }
 
 // ---- diff
