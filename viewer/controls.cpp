@@ -38,7 +38,7 @@ constexpr std::array bindings{
     KeyBinding{Key::c, Action::cell, "C", "the cell that the object is in, with its weights"},
     KeyBinding{Key::y, Action::crowd, "Y", "a thousand objects, each lit by a look-up of its own"},
     KeyBinding{Key::u, Action::background, "U", "background: environment, its coefficients, none"},
-    KeyBinding{Key::i, Action::next_environment, "I", "the next environment of its folder"},
+    KeyBinding{Key::i, Action::next_environment, "I", "the next environment of its folder; of a level, the next sky"},
     KeyBinding{Key::comma, Action::less_gain, ",", "less light from the volume"},
     KeyBinding{Key::period, Action::more_gain, ".", "more light from the volume"},
     KeyBinding{Key::minus, Action::less_exposure, "-", "shorter exposure"},

@@ -159,7 +159,7 @@ class Interactive {
                 if (environment_) {
                     environment_->load_next();
                 } else {
-                    tell("a level keeps the environment that it was baked with");
+                    level_->next_sky();
                 }
                 break;
             default:
@@ -187,8 +187,11 @@ class Interactive {
             }
         } else if (environment_) {
             environment_->load(file);
+        } else if (extension == ".hdr" || extension == ".exr") {
+            level_->take_sky(file);
         } else {
-            tell(fmt::format("{}: only objects (.glb, .gltf, .obj) can be dropped into a level", file.string()));
+            tell(fmt::format("{}: only objects (.glb, .gltf, .obj) and skies (.hdr, .exr) can be dropped into a level",
+                             file.string()));
         }
     }
 

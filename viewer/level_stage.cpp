@@ -1,6 +1,9 @@
 #include "viewer/level_stage.h"
 
+#include "core/environment_file.h"
+#include "core/error.h"
 #include "core/sh.h"
+#include "viewer/environment_light.h"
 #include "viewer/outlines.h"
 
 #include <fmt/format.h>
@@ -63,14 +66,79 @@ void LevelStage::take(const std::shared_ptr<const LitVolume>& volume) {
         renderer_.set_level(scene_, volume->spacing, find_outlines(show_.paths.tracer(), volume->volume));
         spacing_ = volume->spacing;
     }
-    volume_ = volume;
+    baked_ = volume;
     summary_ = summarize(volume->volume);
     session_.bands = std::clamp(volume->volume.bands, 1, most_bands);
-    renderer_.set_volume(volume);
+    LayerMix as_baked = mix_of(volume->volume, !show_.paths.environment().is_black());
+    if (as_baked != mix_as_baked_) session_.layers = as_baked;
+    mix_as_baked_ = std::move(as_baked);
+    mix();
     if (default_flight_known_) return;
     default_flight_known_ = true;
     default_flight_ = std::async(
         std::launch::async, [&tracer = show_.paths.tracer(), volume] { return make_default_flight(tracer, *volume); });
+}
+
+void LevelStage::show_sky(SkyShown shown) {
+    Environment sky = show_.paths.environment();
+    if (shown == SkyShown::uniform) sky = Environment::uniform(glm::vec3(1));
+    if (shown == SkyShown::file) {
+        if (sky_of_file_.is_black()) tell_("drop an .hdr or .exr file on the window: until then the sky is black");
+        sky = sky_of_file_;
+    }
+    sky_radiance_ = reference_environment(sky);
+    renderer_.set_environment(sky);
+    sky_shown_ = shown;
+}
+
+void LevelStage::mix() {
+    const LayerMix& wanted = session_.layers;
+    const Volume& volume = baked_->volume;
+    if (const LayerKnob* sky = find_sky(session_.layers)) {
+        const SkyShown shown = sky->weight > 0 ? wanted.sky : SkyShown::given;
+        if (sky_shown_ != shown) show_sky(shown);
+    }
+    volume_ = baked_;
+    if (wanted != mix_as_baked_) {
+        volume_ = std::make_shared<const LitVolume>(mixed_volume(volume, weights_of(wanted, volume, sky_radiance_)));
+    }
+    renderer_.set_volume(volume_);
+    mixed_ = wanted;
+}
+
+void LevelStage::take_sky(const std::filesystem::path& file) {
+    LayerKnob* sky = find_sky(session_.layers);
+    if (sky == nullptr) {
+        tell_(fmt::format("{}: this volume keeps the sky that it was baked with; level-bake --layers sky has others",
+                          file.string()));
+        return;
+    }
+    try {
+        sky_of_file_ = load_environment(file).environment;
+        session_.layers.sky = SkyShown::file;
+        if (sky->weight == 0) sky->weight = 1;
+        sky_shown_.reset();
+        mix();
+        tell_(fmt::format("{} is the sky now", file.filename().string()));
+    } catch (const Error& error) {
+        tell_(error.what());
+    }
+}
+
+void LevelStage::next_sky() {
+    LayerMix& mix = session_.layers;
+    LayerKnob* sky = find_sky(mix);
+    if (sky == nullptr) {
+        tell_("a level keeps the environment that it was baked with; level-bake --layers sky lights it by any");
+    } else if (sky->weight == 0) {
+        sky->weight = 1;
+    } else {
+        std::vector<SkyShown> skies{SkyShown::uniform};
+        if (!show_.paths.environment().is_black()) skies.push_back(SkyShown::given);
+        if (!sky_of_file_.is_black()) skies.push_back(SkyShown::file);
+        const auto shown = std::find(skies.begin(), skies.end(), mix.sky);
+        mix.sky = shown == skies.end() || shown + 1 == skies.end() ? skies.front() : shown[1];
+    }
 }
 
 void LevelStage::update() {
@@ -94,6 +162,7 @@ void LevelStage::update() {
         if (!session_.flight) session_.flight = std::move(found.flight);
         if (!session_.touched) session_.pose = evaluate(*session_.flight, session_.flight->start_s()).pose;
     }
+    if (baked_ != nullptr && session_.layers != mixed_) mix();
     at_click_.update();
     follow_object();
 }
@@ -140,6 +209,7 @@ void LevelStage::forget_click() {
 
 void LevelStage::complete(Frame& frame) const {
     if (at_object_.light) frame.reference = means(at_object_.light->sh);
+    frame.environment_turn = glm::mat3(turn_about_up(session_.layers.sky_turned_deg));
 }
 
 std::optional<ClickedLight> LevelStage::clicked_light() const {

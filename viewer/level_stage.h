@@ -11,6 +11,7 @@
 
 #include <glm/glm.hpp>
 
+#include <filesystem>
 #include <future>
 #include <memory>
 #include <optional>
@@ -41,6 +42,10 @@ class LevelStage {
     /// the eye as an object that follows.
     void ask(const Click& click);
     void forget_click();
+    /// Takes an environment for the sky, where the volume has layers for any.
+    void take_sky(const std::filesystem::path& file);
+    /// Turns such a sky on, or shows the next one.
+    void next_sky();
     void complete(Frame& frame) const;
     void complete(Facts& facts) const;
 
@@ -48,6 +53,9 @@ class LevelStage {
 
   private:
     void take(const std::shared_ptr<const LitVolume>& volume);
+    /// Lights the level as the session mixes layers.
+    void mix();
+    void show_sky(SkyShown shown);
     void follow_object();
     [[nodiscard]] std::optional<ClickedLight> clicked_light() const;
 
@@ -56,7 +64,13 @@ class LevelStage {
     Renderer& renderer_;
     Session& session_;
     Tell tell_;
-    std::shared_ptr<const LitVolume> volume_;
+    std::shared_ptr<const LitVolume> baked_;
+    std::shared_ptr<const LitVolume> volume_;  // that is shown: as baked, or its layers mixed anew
+    LayerMix mix_as_baked_;
+    LayerMix mixed_;  // that volume_ is
+    Environment sky_of_file_;
+    std::optional<SkyShown> sky_shown_;
+    Sh36 sky_radiance_{};  // of that
     VolumeSummary summary_;
     std::optional<double> spacing_;  // that the level has been divided for
     std::optional<BackgroundBake> bake_;

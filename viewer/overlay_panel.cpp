@@ -147,6 +147,38 @@ void lay_out_light(const Panel& panel) {
     if (ImGui::SliderFloat("gain (, .)", &stops, -8, 8, "%+.2f stops")) settings.gain = std::exp2(stops);
 }
 
+/// As much of a name as the panel has room for.
+std::string short_name(const std::string& name) {
+    constexpr std::size_t longest = 14;
+    return name.size() <= longest ? name : name.substr(0, longest - 2) + "..";
+}
+
+void lay_out_layers(const Panel& panel) {
+    LayerMix& mix = panel.session.layers;
+    for (std::size_t i = 0; i < mix.knobs.size(); ++i) {
+        LayerKnob& knob = mix.knobs[i];
+        ImGui::PushID(static_cast<int>(i));
+        ImGui::ColorEdit3("##colour", &knob.color.r, ImGuiColorEditFlags_NoInputs);
+        ImGui::SameLine();
+        ImGui::SetNextItemWidth(ImGui::CalcItemWidth() - ImGui::GetFrameHeight() - ImGui::GetStyle().ItemSpacing.x);
+        ImGui::SliderFloat(short_name(knob.name).c_str(), &knob.weight, 0, most_layer_weight, "%.2f",
+                           ImGuiSliderFlags_AlwaysClamp);
+        if (knob.name == sky_knob) {
+            constexpr std::array skies{"as given", "uniform", "of a file"};
+            choose("from", mix.sky, skies);
+            auto turned = static_cast<float>(mix.sky_turned_deg);
+            if (ImGui::SliderFloat("turned", &turned, 0, 360, "%.0f deg", ImGuiSliderFlags_AlwaysClamp)) {
+                mix.sky_turned_deg = turned;
+            }
+            std::string& path = panel.text.environment;
+            if (ImGui::InputTextWithHint("file", "path, or drop one", &path, ImGuiInputTextFlags_EnterReturnsTrue)) {
+                panel.requests.files.push_back(path);
+            }
+        }
+        ImGui::PopID();
+    }
+}
+
 ImVec4 color_of(ProbeState state) {
     const glm::vec3 color = state_color(state);
     return {color.r, color.g, color.b, 1};
@@ -256,6 +288,7 @@ void lay_out_panel(Session& session, const Facts& facts, PanelText& text, Reques
     if (section("Statistics")) lay_out_statistics(facts);
     if (session.environment && facts.environment && section("Environment")) lay_out_environment(panel);
     if (section("Light")) lay_out_light(panel);
+    if (!session.layers.knobs.empty() && section("Layers")) lay_out_layers(panel);
     if (!session.environment && section("Data")) lay_out_data(panel);
     if (section("Compare")) lay_out_split(panel);
     if (section("Picture")) lay_out_picture(panel);

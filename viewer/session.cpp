@@ -56,10 +56,10 @@ void follow_press(Session& session, const Input& input, glm::ivec2 size, Request
 }
 
 void turn_light(Session& session, const Input& input, double seconds) {
-    if (!session.environment) return;
+    if (!session.environment && find_sky(session.layers) == nullptr) return;
     const auto held = [&](Key key) { return input.held.contains(key) ? 1.0 : 0.0; };
     const double turns = held(Key::right_bracket) - held(Key::left_bracket) + (session.turning ? 1 : 0);
-    double& turned = session.environment->turned_deg;
+    double& turned = session.environment ? session.environment->turned_deg : session.layers.sky_turned_deg;
     turned = std::fmod(turned + turns * turn_deg_per_s * std::clamp(seconds, 0.0, 0.1) + 360, 360);
 }
 

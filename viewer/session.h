@@ -3,6 +3,7 @@
 #include "viewer/controls.h"
 #include "viewer/environment_light.h"
 #include "viewer/flight.h"
+#include "viewer/layer_mix.h"
 #include "viewer/renderer.h"
 
 #include <glm/glm.hpp>
@@ -52,6 +53,7 @@ struct Session {
 
     std::optional<EnvironmentChoice> environment;  // where an environment alone is looked at
     bool turning = false;                          // it goes on by itself
+    LayerMix layers;                               // of the volume; no knobs: it has none
 
     bool show_panel = true;
     bool show_help = false;

@@ -349,6 +349,24 @@ TEST_F(InAWindow, BakesWhileItShowsAndShowsAReplacedVolume) {
     EXPECT_EQ(result.status, 0) << result.err;
 }
 
+TEST_F(InAWindow, TheSkyOfALevelIsPutInLater) {
+    bake(cornell, "cornell.probes.exr", "--layers sky");
+    write("start.json", R"({"keys": [{"time_s": 0, "eye": [0, 1, 0.9], "look_at": [0, 1, 0]}]})");
+    const Result result = act(cornell + " cornell.probes.exr --size 320x180 --path start.json", R"(
+        xdotool key F12
+        wait_for cornell_0001.exr
+        xdotool key i keydown bracketright key F12
+        wait_for cornell_0002.exr
+        xdotool keyup bracketright key i key Escape)");
+    EXPECT_EQ(result.status, 0) << result.err;
+    const auto light = [&](const char* name) {
+        glm::vec3 sum(0);
+        for (const glm::vec3 pixel : read_radiance(folder() / name).image.pixels) sum += pixel;
+        return sum.r + sum.g + sum.b;
+    };
+    EXPECT_GT(light("cornell_0002.exr"), 1.001F * light("cornell_0001.exr"));
+}
+
 TEST_F(InAWindow, AnEnvironmentAloneIsTurnedAndExchanged) {
     fs::create_directory(folder() / "skies");
     for (const auto& [name, color] : {std::pair("a.exr", glm::vec3(4, 1, 1)), std::pair("b.exr", glm::vec3(1, 4, 1))}) {

@@ -62,6 +62,10 @@ class PanelTest : public testing::Test {
         facts_.environment = EnvironmentFacts{"/a/long/way/down/to/an/environment/of/a/park.hdr", false, 0.0123};
     }
 
+    void look_at_layers() {
+        session_.layers.knobs = {{"a_group_of_lamps_with_a_name_that_is_longer_than_any_label"}, {sky_knob}};
+    }
+
     Session session_;
     Facts facts_;
     PanelText text_;
@@ -72,7 +76,7 @@ class PanelTest : public testing::Test {
 
 TEST_F(PanelTest, NothingIsWiderThanThePanel) {
     for (const bool environment : {false, true}) {
-        if (environment) look_at_an_environment();
+        environment ? look_at_an_environment() : look_at_layers();
         session_.settings.show_cell = true;
         session_.settings.probes = ProbesShown::all;
         session_.split = true;
@@ -119,6 +123,12 @@ class Sweep : public PanelTest, public testing::WithParamInterface<bool> {
         note("fly", session_.flown_s.has_value());
         note("help", session_.show_help);
         note("panel", !session_.show_panel);
+        for (std::size_t i = 0; i < session_.layers.knobs.size(); ++i) {
+            note("layer", i == 0 && session_.layers.knobs[i].weight != before.layers.knobs[i].weight);
+            note("sky", i == 1 && session_.layers.knobs[i].weight != before.layers.knobs[i].weight);
+        }
+        note("sky from", session_.layers.sky != before.layers.sky);
+        note("sky turned", session_.layers.sky_turned_deg != before.layers.sky_turned_deg);
         if (!session_.environment) return;
         note("samples", session_.environment->samples != before.environment->samples);
         note("sampling", session_.environment->sampling != before.environment->sampling);
@@ -129,6 +139,9 @@ class Sweep : public PanelTest, public testing::WithParamInterface<bool> {
         const Settings& now = session_.settings;
         const bool samples = !session_.environment || (session_.environment->samples >= fewest_environment_samples &&
                                                        session_.environment->samples <= most_environment_samples);
+        for (const LayerKnob& knob : session_.layers.knobs) {
+            if (knob.weight < 0 || knob.weight > most_layer_weight) return false;
+        }
         return samples && now.bands >= 1 && now.bands <= session_.bands &&
                std::abs(std::log2(now.gain)) <= most_stops && std::abs(now.exposure_stops) <= most_stops &&
                session_.object.size > 0 && static_cast<int>(now.level_light) < 4 &&
@@ -140,7 +153,7 @@ class Sweep : public PanelTest, public testing::WithParamInterface<bool> {
 
 TEST_P(Sweep, ReachesEveryControl) {
     const bool environment = GetParam();
-    if (environment) look_at_an_environment();
+    environment ? look_at_an_environment() : look_at_layers();
     Flight flight;
     flight.keys.resize(2);
     flight.keys[1].time_s = 1;
@@ -172,7 +185,8 @@ TEST_P(Sweep, ReachesEveryControl) {
     if (environment) {
         names.insert(names.end(), {"samples", "sampling", "turned", "turning"});
     } else {
-        names.insert(names.end(), {"level", "contact shadow", "colours", "probes", "cell", "crowd"});
+        names.insert(names.end(), {"level", "contact shadow", "colours", "probes", "cell", "crowd", "layer", "sky",
+                                   "sky from", "sky turned"});
     }
     for (const char* name : names) EXPECT_TRUE(changed_.contains(name)) << name;
     for (const Action action :

@@ -97,6 +97,20 @@ TEST(Controls, SettingsComeRoundAgain) {
     EXPECT_FALSE(apply(Action::quit, settings));
 }
 
+TEST(Session, BracketsTurnTheSkyOfALevelThatHasOne) {
+    Session session;
+    Input input;
+    input.held = {Key::right_bracket};
+    static_cast<void>(step(session, input, 0.1, size));
+    EXPECT_EQ(session.layers.sky_turned_deg, 0) << "there is none";
+    session.layers.knobs = {{"lamps"}, {sky_knob}};
+    static_cast<void>(step(session, input, 0.1, size));
+    EXPECT_GT(session.layers.sky_turned_deg, 0);
+    input.held = {Key::left_bracket};
+    static_cast<void>(step(session, input, 0.1, size));
+    EXPECT_NEAR(session.layers.sky_turned_deg, 0, 1e-9);
+}
+
 TEST(Session, TheObjectFollowsOrStays) {
     Session session;
     Input input;

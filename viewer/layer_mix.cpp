@@ -1,0 +1,69 @@
+#include "viewer/layer_mix.h"
+
+#include "core/sh.h"
+#include "viewer/environment_light.h"
+
+#include <algorithm>
+#include <optional>
+
+namespace lightgrid {
+namespace {
+
+bool is_of_sky(const Layer& layer) {
+    for (int i = 0; i < sh_size(sky_layer_bands); ++i) {
+        if (layer.name == sky_layer(i)) return true;
+    }
+    return false;
+}
+
+}  // namespace
+
+LayerKnob* find_sky(LayerMix& mix) noexcept {
+    const auto sky = std::find_if(mix.knobs.begin(), mix.knobs.end(),
+                                  [](const LayerKnob& knob) { return knob.name == sky_knob; });
+    return sky == mix.knobs.end() ? nullptr : &*sky;
+}
+
+LayerMix mix_of(const Volume& volume, bool has_sky) {
+    LayerMix mix;
+    for (const Layer& layer : volume.layers) {
+        if (!is_of_sky(layer)) mix.knobs.push_back({layer.name});
+    }
+    if (!has_sky_layers(volume)) return mix;
+    mix.knobs.push_back({sky_knob, has_sky ? 1.0F : 0.0F});
+    if (!has_sky) mix.sky = SkyShown::uniform;
+    return mix;
+}
+
+std::vector<glm::vec3> weights_of(const LayerMix& mix, const Volume& volume, const Sh36& sky) {
+    std::vector<glm::vec3> weights(volume.layers.size(), glm::vec3(0));
+    for (const LayerKnob& knob : mix.knobs) {
+        const glm::vec3 weight = knob.weight * knob.color;
+        if (const std::optional<std::size_t> layer = find_layer(volume, knob.name)) {
+            weights[*layer] = weight;
+        } else if (knob.name == sky_knob) {
+            Sh36 radiance = turned(sky, mix.sky_turned_deg);
+            for (glm::vec3& coefficient : radiance) coefficient *= weight;
+            set_sky(volume, radiance, weights);
+        }
+    }
+    return weights;
+}
+
+Volume mixed_volume(const Volume& volume, std::span<const glm::vec3> weights) {
+    Volume mixed;
+    mixed.bands = volume.bands;
+    mixed.grids = volume.grids;
+    mixed.bricks = volume.bricks;
+    mixed.list = volume.list;
+    mixed.states = volume.states;
+    mixed.coefficients = mix_layers(volume, weights);
+    mixed.errors = volume.errors;
+    mixed.axis_errors = volume.axis_errors;
+    mixed.offsets = volume.offsets;
+    mixed.half = volume.half;
+    mixed.settings = volume.settings;
+    return mixed;
+}
+
+}  // namespace lightgrid
