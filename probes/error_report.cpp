@@ -11,13 +11,12 @@
 namespace lightgrid {
 namespace {
 
-constexpr std::size_t normals_per_point = 64;
 constexpr int resamplings = 1000;
-constexpr int most_tries_per_point = 64;
 constexpr std::size_t worst_listed = 5;
 
 /// Sums over the normals and colours of one point.
 struct PointSums {
+    double weight = 1;     // HeldOut::weights
     double reference = 0;  // A B
     double total = 0;
     double without_bands = 0;
@@ -33,47 +32,76 @@ double component_sum(glm::dvec3 v) {
     return v.x + v.y + v.z;
 }
 
-std::vector<glm::vec3> even_normals() {
-    std::vector<glm::vec3> normals;
-    for (std::uint32_t i = 0; i < normals_per_point; ++i) normals.push_back(sphere_direction(sobol_point(i, 0)));
-    return normals;
-}
-
 double signed_root(double square) {
     return std::copysign(std::sqrt(std::abs(square)), square);
 }
 
-/// sqrt(sum part / sum reference) with its interval over resampled points.
-ErrorPart summarise(const std::vector<PointSums>& sums, double PointSums::*part) {
-    const auto ratio = [&](auto&& index) {
-        double numerator = 0;
-        double denominator = 0;
-        for (std::size_t i = 0; i < sums.size(); ++i) {
-            const PointSums& point = sums[index(i)];
-            numerator += point.*part;
-            denominator += point.reference;
-        }
-        return denominator > 0 ? signed_root(numerator / denominator) : 0.0;
-    };
-    ErrorPart result;
-    result.relrmse = ratio([](std::size_t i) { return i; });
-    std::vector<double> resampled;
-    resampled.reserve(resamplings);
-    RandomStream random(0);
-    for (int k = 0; k < resamplings; ++k) {
-        resampled.push_back(ratio([&](std::size_t) {
-            return std::min(sums.size() - 1, static_cast<std::size_t>(random.next() * static_cast<float>(sums.size())));
-        }));
+/// A part's square over the reference's, and its standard error by the spread of points (linearised).
+struct Share {
+    double square = 0;
+    double error = 0;
+};
+
+/// index  of the i-th of as many points as there are
+template <typename Index>
+Share share_of(const std::vector<PointSums>& sums, double PointSums::*part, Index&& index) {
+    double x = 0;
+    double y = 0;
+    double xx = 0;
+    double xy = 0;
+    double yy = 0;
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+        const PointSums& point = sums[index(i)];
+        const double numerator = point.weight * point.*part;
+        const double denominator = point.weight * point.reference;
+        x += numerator;
+        y += denominator;
+        xx += numerator * numerator;
+        xy += numerator * denominator;
+        yy += denominator * denominator;
     }
-    std::sort(resampled.begin(), resampled.end());
-    result.interval = {resampled[resamplings * 25 / 1000], resampled[resamplings * 975 / 1000 - 1]};
-    return result;
+    if (!(y > 0)) return {};
+    const double square = x / y;
+    return {square, std::sqrt(std::max(xx - 2 * square * xy + square * square * yy, 0.0)) / y};
 }
 
-double percentile(std::vector<double>& values, double share) {
-    const auto index = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-    std::nth_element(values.begin(), values.begin() + index, values.end());
-    return values[static_cast<std::size_t>(index)];
+/// The root of a part's share with its interval: what the share of points that are drawn from these points is off
+/// theirs, in its own standard errors, the share of these points is off that of all space. Squares beside lamps make
+/// the one as lopsided as the other; percentiles of the resampled shares themselves would be too low. Source: Efron,
+/// Tibshirani, "An Introduction to the Bootstrap", 1993, section 12.5 (bootstrap-t).
+ErrorPart summarise(const std::vector<PointSums>& sums, double PointSums::*part) {
+    const Share whole = share_of(sums, part, [](std::size_t i) { return i; });
+    std::vector<double> off;
+    off.reserve(resamplings);
+    RandomStream random(0);
+    for (int k = 0; k < resamplings; ++k) {
+        const Share drawn = share_of(sums, part, [&](std::size_t) {
+            return std::min(sums.size() - 1, static_cast<std::size_t>(random.next() * static_cast<float>(sums.size())));
+        });
+        off.push_back(drawn.error > 0 ? (drawn.square - whole.square) / drawn.error : 0.0);
+    }
+    std::sort(off.begin(), off.end());
+    const double low = whole.square - off[resamplings * 975 / 1000 - 1] * whole.error;
+    const double high = whole.square - off[resamplings * 25 / 1000] * whole.error;
+    return {signed_root(whole.square), {signed_root(low), signed_root(high)}};
+}
+
+struct Weighted {
+    double value = 0;
+    double weight = 0;
+};
+
+/// The value that so large a share of the weight does not exceed. At least one value; sorts them.
+double percentile(std::vector<Weighted>& values, double share) {
+    std::sort(values.begin(), values.end(), [](const Weighted& x, const Weighted& y) { return x.value < y.value; });
+    double all = 0;
+    for (const Weighted& each : values) all += each.weight;
+    double below = 0;
+    for (const Weighted& each : values) {
+        below += each.weight;
+        if (below >= share * all) return each.value;
+    }
+    return values.back().value;
 }
 
 }  // namespace
@@ -90,57 +118,13 @@ double mean_square_irradiance(std::span<const glm::vec3> sh) {
     return sum / (4 * glm::pi<double>());
 }
 
-HeldOut trace_held_out(const Volume& volume, const PathTracer& paths, const LightEvidence& light,
-                       const HeldOutOptions& options) {
-    const Tracer& tracer = paths.tracer();
-    const glm::dvec3 origin = tracer.scene().origin;
-    std::vector<double> sizes;
-    for (const Grid& grid : std::span(volume.grids).first(std::min(options.grids, volume.grids.size()))) {
-        const glm::dvec3 size = glm::dvec3(grid.counts - 1) * grid.spacing;
-        sizes.push_back(std::max(size.x * size.y * size.z, 1e-300));
-    }
-    const AliasTable pick(sizes);
-
-    HeldOut held_out;
-    if (pick.empty()) return held_out;
-    std::vector<std::optional<glm::dvec3>> found(options.points);
-    for_each_index(options.points, [&](std::size_t i) {
-        RandomStream random(mix_bits(mix_bits(options.seed, 2), i));
-        for (int attempt = 0; attempt < most_tries_per_point && !found[i]; ++attempt) {
-            const Grid& grid = volume.grids[pick.sample(random.next())];
-            const glm::vec2 xy = random.next2();
-            const glm::dvec3 u(xy, random.next());
-            const glm::dvec3 place = grid.origin + u * glm::dvec3(grid.counts - 1) * grid.spacing;
-            const double clearance = 0.01 * std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z});
-            if (is_free(tracer, glm::vec3(place - origin), static_cast<float>(clearance), light)) found[i] = place;
-        }
-    });
-    std::vector<glm::vec3> relative;
-    for (const auto& place : found) {
-        if (!place) continue;
-        held_out.points.push_back(*place);
-        relative.emplace_back(*place - origin);
-    }
-    if (relative.empty()) return held_out;
-
-    GatherOptions gather_options;
-    gather_options.bands = options.bands;
-    gather_options.samples = options.samples;
-    gather_options.normals = even_normals();
-    gather_options.seed = mix_bits(options.seed, 3);
-    held_out.a = gather(paths, relative, gather_options, &held_out.counts);
-    gather_options.seed = mix_bits(options.seed, 4);
-    held_out.b = gather(paths, relative, gather_options, &held_out.counts);
-    return held_out;
-}
-
 std::vector<double> measure_bands(const PathTracer& paths, const std::vector<glm::vec3>& points, int most_bands,
                                   std::uint32_t samples, const GatherRays& rays, std::uint64_t seed,
                                   PathCounts& counts) {
     GatherOptions options;
     options.bands = most_bands;
     options.samples = samples;
-    options.normals = even_normals();
+    options.normals = held_out_normals();
     options.rays = rays;
     options.seed = mix_bits(seed, 0);
     const Gather a = gather(paths, points, options, &counts);
@@ -170,18 +154,12 @@ std::vector<double> measure_bands(const PathTracer& paths, const std::vector<glm
     return squares;
 }
 
-void trace_bias(HeldOut& held_out, const PathTracer& paths, const SurfaceCache& cache, const BiasOptions& options) {
-    std::vector<glm::vec3> relative;
-    for (const glm::dvec3& point : held_out.points) relative.emplace_back(point - paths.tracer().scene().origin);
-    held_out.bias = measure_bias(paths, cache, relative, even_normals(), options);
-    held_out.counts += held_out.bias->counts;
-}
-
 ErrorPart bias_of(const HeldOut& held_out) {
     if (!held_out.bias) return {};
     std::vector<PointSums> sums(held_out.points.size());
     for (std::size_t i = 0; i < held_out.bias->a.size(); ++i) {
-        PointSums& sum = sums[i / normals_per_point];
+        PointSums& sum = sums[i / held_out_normals().size()];
+        sum.weight = held_out.weights[i / held_out_normals().size()];
         sum.reference += component_sum(held_out.a.irradiance[i].mean * held_out.b.irradiance[i].mean);
         sum.bias += component_sum(held_out.bias->a[i] * held_out.bias->b[i]);
     }
@@ -192,13 +170,13 @@ ErrorReport measure_error(const Volume& volume, const HeldOut& reference, const 
                           const SampleOptions& look_up) {
     ErrorReport report;
     report.points = reference.points.size();
-    report.normals = normals_per_point;
+    report.normals = held_out_normals().size();
     if (reference.points.empty()) return report;
 
     const Volume& unrounded = rounded_from != nullptr ? *rounded_from : volume;
     const Sampler sampler(volume);
     const Sampler unrounded_sampler(unrounded);
-    const std::vector<glm::vec3> normals = even_normals();
+    const std::vector<glm::vec3>& normals = held_out_normals();
     const std::size_t n = volume.sh_size();
     std::vector<PointSums> sums(report.points);
     std::vector<double> mean_irradiance(report.points);
@@ -213,6 +191,7 @@ ErrorReport measure_error(const Volume& volume, const HeldOut& reference, const 
             sh_b.emplace_back(reference.b.sh(i)[k].mean);
         }
         PointSums& sum = sums[i];
+        sum.weight = reference.weights[i];
         for (std::size_t k = 0; k < normals.size(); ++k) {
             const glm::dvec3 a = reference.a.irradiance[i * normals.size() + k].mean;
             const glm::dvec3 b = reference.b.irradiance[i * normals.size() + k].mean;
@@ -255,16 +234,17 @@ ErrorReport measure_error(const Volume& volume, const HeldOut& reference, const 
     report.cross = summarise(sums, &PointSums::cross);
     if (reference.bias) report.bias = summarise(sums, &PointSums::bias);
 
-    std::vector<double> sorted = mean_irradiance;
+    std::vector<Weighted> sorted;
+    for (std::size_t i = 0; i < report.points; ++i) sorted.push_back({mean_irradiance[i], reference.weights[i]});
     const double floor = 0.01 * percentile(sorted, 0.5);
-    std::vector<double> relative;
+    std::vector<Weighted> relative;
     for (std::size_t i = 0; i < report.points; ++i) {
         const double scale = std::max(mean_irradiance[i], floor);
         if (!(scale > 0)) continue;
         double square = 0;
         for (const double difference : differences[i]) {
-            relative.push_back(difference / scale);
-            square += relative.back() * relative.back();
+            relative.push_back({difference / scale, reference.weights[i]});
+            square += relative.back().value * relative.back().value;
         }
         report.worst.push_back({reference.points[i], std::sqrt(square / static_cast<double>(differences[i].size()))});
     }

@@ -1,15 +1,13 @@
 #pragma once
 
-#include "probes/cache_bias.h"
 #include "probes/gather.h"
-#include "probes/placement.h"
+#include "probes/held_out.h"
 #include "probes/sampler.h"
 #include "probes/volume.h"
 
 #include <glm/glm.hpp>
 
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -30,7 +28,8 @@
 ///
 /// total = bands + noise + storage + bias + interpolation + cross, exactly.
 ///
-/// Points are the sampling unit: 95 % intervals are percentiles of 1,000 resamplings of points with replacement.
+/// Sums count each point with its weight (held_out.h). Points are the sampling unit: 95 % intervals come from 1,000
+/// resamplings of points with replacement (bootstrap-t).
 namespace lightgrid {
 
 struct Interval {
@@ -59,39 +58,15 @@ struct ErrorReport {
     std::vector<Worst> worst;  // the largest few, worst first
 };
 
-/// Points that no probe knows of, with the path tracer's answer there.
-struct HeldOut {
-    std::vector<glm::dvec3> points;  // level coordinates
-    Gather a;                        // two independent halves
-    Gather b;
-    PathCounts counts;
-    std::optional<CacheBias> bias;  // of the cache that lit the volume, at the same points and normals
-};
-
 /// Mean over all normals of squared irradiance (lux^2, R + G + B) from coefficients of radiance; of its variance, from
 /// standard errors of coefficients that are independent.
 [[nodiscard]] double mean_square_irradiance(std::span<const glm::vec3> sh);
-
-struct HeldOutOptions {
-    std::size_t points = 128;
-    std::uint32_t samples = 4096;  // per point and half
-    int bands = 3;
-    std::size_t grids = std::numeric_limits<std::size_t>::max();  // whose boxes count: the first so many
-    std::uint64_t seed = 0;
-};
-
-/// Draws points uniformly in the free space of the volume's boxes and traces them. Empty where no free point was found.
-[[nodiscard]] HeldOut trace_held_out(const Volume& volume, const PathTracer& paths, const LightEvidence& light,
-                                     const HeldOutOptions& options);
 
 /// What irradiance at points loses to bands that are left out: relRMSE with 1, 2, ... `most_bands`, from two independent
 /// gathers.
 [[nodiscard]] std::vector<double> measure_bands(const PathTracer& paths, const std::vector<glm::vec3>& points,
                                                 int most_bands, std::uint32_t samples, const GatherRays& rays,
                                                 std::uint64_t seed, PathCounts& counts);
-
-/// How far a cache is off at held-out points.
-void trace_bias(HeldOut& held_out, const PathTracer& paths, const SurfaceCache& cache, const BiasOptions& options);
 
 /// The bias that was traced, by itself; 0 where none was.
 [[nodiscard]] ErrorPart bias_of(const HeldOut& held_out);

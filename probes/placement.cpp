@@ -37,6 +37,10 @@ constexpr int most_looks_for_light = 4;
 /// not look like: with 0.01 one between a ceiling and the lamp below it doubles the error of a whole Cornell box.
 constexpr float clearance_share = 0.1F;
 
+/// Of the spacing: what keeps open points off surfaces, and off lights that have no size.
+constexpr double open_clearance_share = 0.01;
+constexpr double open_light_share = 0.1;
+
 /// Of the cells of a probe on its grid's border, weighted as they are interpolated.
 constexpr std::uint32_t space_points = 64;
 /// Such a probe moves through a wall to see this many times as much of its cells.
@@ -463,6 +467,19 @@ GridChoice choose_grids(const Scene& scene, const PlacementOptions& options) {
 bool is_free(const Tracer& tracer, glm::vec3 point, float clearance, const LightEvidence& light) {
     if (touches(tracer, point, clearance)) return false;
     return !is_inside(point, suspect(look_around(tracer, point), light.has_sky), light);
+}
+
+bool is_at_light(const Tracer& tracer, glm::vec3 point, double spacing) {
+    const auto near = static_cast<float>(open_light_share * spacing);
+    const std::vector<Light>& lights = tracer.scene().lights;
+    return std::any_of(lights.begin(), lights.end(), [&](const Light& light) {
+        return light.kind != LightKind::directional && glm::distance(light.position, point) < near;
+    });
+}
+
+bool is_open(const Tracer& tracer, glm::vec3 point, double spacing, const LightEvidence& light) {
+    return !is_at_light(tracer, point, spacing) &&
+           is_free(tracer, point, static_cast<float>(open_clearance_share * spacing), light);
 }
 
 PlacementCounts place_probes(Volume& volume, const Tracer& tracer, const LightEvidence& light,

@@ -66,8 +66,17 @@ PlacementCounts place_probes(Volume& volume, const Tracer& tracer, const LightEv
 /// `filled`, or `missing` where no probe of the grid is valid. Returns how many were filled.
 std::size_t fill_invalid(Volume& volume, const Tracer& tracer);
 
-/// True where the surroundings say that a point is free: nothing within `clearance`, not inside a solid. For held-out
-/// points as much as for probes.
+/// True where the surroundings say that a point is free: nothing within `clearance`, not inside a solid.
 [[nodiscard]] bool is_free(const Tracer& tracer, glm::vec3 point, float clearance, const LightEvidence& light);
+
+/// Within 0.1 spacings of a point or spot light. These have no size, and near them irradiance squared grows as
+/// 1 / distance^4: over all space up to the light its integral has no value.
+///
+/// spacing  metres between probes before any refinement
+[[nodiscard]] bool is_at_light(const Tracer& tracer, glm::vec3 point, double spacing);
+
+/// True where an object may be, so that error there counts: free, with no surface within 0.01 spacings, and not at a
+/// light.
+[[nodiscard]] bool is_open(const Tracer& tracer, glm::vec3 point, double spacing, const LightEvidence& light);
 
 }  // namespace lightgrid

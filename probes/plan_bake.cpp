@@ -33,6 +33,8 @@ constexpr double list_patch_width = 1.0 / 64;
 constexpr double cache_samples_per_sample = 16;
 /// Fewer tell nothing.
 constexpr std::uint32_t least_samples = 64;
+/// With fewer, intervals that resampling points gives are too narrow where a few bright ones count for much.
+constexpr std::size_t least_held_out_points = 512;
 constexpr std::size_t most_held_out_points = 1024;
 /// Of a time budget: finer grids, the reference and the bias.
 constexpr double refining_share = 0.3;
@@ -307,15 +309,11 @@ HeldOutOptions held_out_options(const BakePlan& plan, const BakeOptions& options
                                 double path_seconds) {
     HeldOutOptions result;
     const double rays = reference_share * paths_per_ray * gather_rays(plan) / 2;
-    result.points = std::clamp<std::size_t>(plan.points.size() / 16, 32, 256);
-    result.samples = static_cast<std::uint32_t>(
-        std::max(rays / static_cast<double>(result.points), static_cast<double>(std::min(plan.samples, 256U))));
-    if (!options.target.samples) {
-        // Few rays at many points: what differs from point to point is more than what the reference is unsure of.
-        result.points = static_cast<std::size_t>(std::clamp(rays / 256, 256.0, double{most_held_out_points}));
-        result.samples =
-            static_cast<std::uint32_t>(std::clamp(rays / static_cast<double>(result.points), 128.0, 512.0));
-    }
+    // Few rays at many points: what differs from point to point is more than what the reference is unsure of.
+    result.points = static_cast<std::size_t>(
+        std::clamp(rays / 128, double{least_held_out_points}, double{most_held_out_points}));
+    const double most = options.target.samples ? most_samples : 512;
+    result.samples = static_cast<std::uint32_t>(std::clamp(rays / static_cast<double>(result.points), 64.0, most));
     if (options.target.error || options.target.seconds) result.points = most_held_out_points;
     if (options.clock) {
         // Two halves, and two of half as many paths for the bias.

@@ -38,8 +38,6 @@ constexpr int most_confirmations = 4;
 constexpr std::size_t band_points = 512;
 constexpr std::uint32_t band_samples = 512;
 constexpr int most_bands = 5;
-/// Of the bake's held-out points, in spacings.
-constexpr double clearance_share = 0.01;
 
 /// A point in a block, drawn once: what is not free there has no part in the error.
 struct Place {
@@ -66,7 +64,7 @@ class Pilot {
             finer_.push_back(-1);
             result.levels.push_back(0);
             const glm::dvec3 spacing = volume.grids[grid].spacing;
-            clearance_.push_back(clearance_share * std::min({spacing.x, spacing.y, spacing.z}));
+            first_spacing_.push_back(std::min({spacing.x, spacing.y, spacing.z}));
         }
     }
 
@@ -204,8 +202,7 @@ class Pilot {
         }
         for_each_index(drawn.size(), [&](std::size_t i) {
             const glm::vec3 point(drawn[i].position - paths_.tracer().scene().origin);
-            const auto clearance = static_cast<float>(clearance_[blocks_[drawn[i].block].grid]);
-            drawn[i].open = is_free(paths_.tracer(), point, clearance, options_.light);
+            drawn[i].open = is_open(paths_.tracer(), point, first_spacing_[blocks_[drawn[i].block].grid], options_.light);
         });
         return drawn;
     }
@@ -401,7 +398,7 @@ class Pilot {
         finer_[grid] = static_cast<int>(volume_.grids.size());
         volume_.grids.push_back(at_half_spacing(volume_.grids[grid]));
         finer_.push_back(-1);
-        clearance_.push_back(clearance_[grid]);
+        first_spacing_.push_back(first_spacing_[grid]);
         levels_left_.push_back(levels_left_[grid] - 1);
         result_.levels.push_back(result_.levels[grid] + 1);
     }
@@ -471,7 +468,7 @@ class Pilot {
     std::vector<Block> blocks_;
     std::vector<int> finer_;  // by grid: that at half its spacing, or -1
     std::vector<int> levels_left_;
-    std::vector<double> clearance_;
+    std::vector<double> first_spacing_;  // by grid: the least of the one that it refines
     std::vector<glm::vec3> band_places_;
     std::int64_t probes_ = 0;  // of the grids
     std::vector<LevelNoise> noise_;

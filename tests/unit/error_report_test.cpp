@@ -31,6 +31,7 @@ struct Measured {
         std::uniform_real_distribution<double> place(0, 1);
         for (std::size_t i = 0; i < points; ++i) {
             held_out.points.emplace_back(4 * place(random), 3 * place(random), 2 * place(random));
+            held_out.weights.push_back(1);
         }
         for (Gather* half : {&held_out.a, &held_out.b}) {
             half->bands = 3;
@@ -80,6 +81,62 @@ TEST(ErrorReport, NoiseIsThatOfTheCornersThatAnswer) {
         measure_error(measured.volume, measured.held_out, nullptr, {.interpolation = Interpolation::nearest}).noise;
     // The mean over a cell of the squares of trilinear weights is (2/3)^3.
     EXPECT_NEAR(all.relrmse / one.relrmse, std::pow(2.0 / 3, 1.5), 0.05);
+}
+
+TEST(ErrorReport, PointsCountAsTheirWeightsSay) {
+    Measured once(40);
+    Measured twice = once;
+    for (std::size_t i = 0; i < 20; ++i) {
+        once.held_out.weights[i] = 2;
+        twice.held_out.points.push_back(twice.held_out.points[i]);
+        twice.held_out.weights.push_back(1);
+        for (Gather* half : {&twice.held_out.a, &twice.held_out.b}) {
+            for (std::size_t k = 0; k < 9; ++k) half->coefficients.push_back(half->coefficients[9 * i + k]);
+            for (std::size_t k = 0; k < 64; ++k) half->irradiance.push_back(half->irradiance[64 * i + k]);
+        }
+    }
+    const ErrorReport weighted = measure_error(once.volume, once.held_out);
+    const ErrorReport repeated = measure_error(twice.volume, twice.held_out);
+    EXPECT_NEAR(weighted.total.relrmse, repeated.total.relrmse, 1e-9);
+    EXPECT_NEAR(weighted.bands.relrmse, repeated.bands.relrmse, 1e-9);
+    EXPECT_NEAR(weighted.noise.relrmse, repeated.noise.relrmse, 1e-9);
+    EXPECT_EQ(weighted.p50, repeated.p50);
+    EXPECT_EQ(weighted.p95, repeated.p95);
+    EXPECT_NE(weighted.total.relrmse, measure_error(Measured(40).volume, Measured(40).held_out).total.relrmse);
+}
+
+/// Points whose light is off by log-normal shares of it: as many runs, each with points of its own.
+TEST(ErrorReport, IntervalsHoldTheTruthAsOftenAsTheySay) {
+    constexpr int runs = 200;
+    constexpr std::size_t points = 64;
+    constexpr double median = 0.1;
+    constexpr double sigma = 0.3;
+    Measured measured(points);
+    std::fill(measured.volume.errors.begin(), measured.volume.errors.end(), glm::vec3(0));
+    for (std::size_t i = 0; i < measured.volume.coefficients.size(); ++i) {
+        measured.volume.coefficients[i] = glm::vec3(i % 9 == 0 ? 4 : 0);
+    }
+    const double irradiance = Sampler(measured.volume).irradiance({1.3, 1.3, 1.3}, {0, 1, 0}).x;
+    const double mean_off = median * std::exp(0.5 * sigma * sigma);
+    const double mean_square_off = median * median * std::exp(2 * sigma * sigma);
+    const double truth = std::sqrt(mean_square_off / (1 + 2 * mean_off + mean_square_off));
+    std::mt19937 random(2);
+    std::normal_distribution<double> normal;
+    int held = 0;
+    for (int run = 0; run < runs; ++run) {
+        for (std::size_t i = 0; i < points; ++i) {
+            const double off = median * std::exp(sigma * normal(random));
+            for (std::size_t k = 0; k < 64; ++k) {
+                const glm::dvec3 there(irradiance * (1 + off));
+                measured.held_out.a.irradiance[64 * i + k].mean = measured.held_out.b.irradiance[64 * i + k].mean =
+                    there;
+            }
+        }
+        const Interval interval = measure_error(measured.volume, measured.held_out).total.interval;
+        held += interval.low <= truth && truth <= interval.high ? 1 : 0;
+    }
+    EXPECT_GE(held, 0.91 * runs);
+    EXPECT_LE(held, 0.98 * runs);
 }
 
 TEST(LookUps, AreAllBandsFloatAndHalfTrilinearAndNearest) {
