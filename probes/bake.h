@@ -75,7 +75,7 @@ struct BakePlan {
     std::size_t first_grids = 0;       // of the volume: the others are finer ones over the same boxes
     std::optional<Steering> steering;  // where there is a target
     CacheOptions cache;
-    double cache_seconds = 0;  // of the pilot's, for each probe
+    double cache_seconds = 0;  // of the pilot's, for each ray of a probe
     std::string why_spacing;
     std::string why_samples;
     PlacementCounts placement;

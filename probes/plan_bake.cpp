@@ -31,13 +31,18 @@ constexpr double patch_width = 0.5;
 constexpr double list_patch_width = 1.0 / 64;
 /// Samples of the cache for each gather ray of one probe: all probes share them, and their noise with it.
 constexpr double cache_samples_per_sample = 16;
+/// Where there are so many anyway, fewer rays from each probe find the surfaces, down to the least.
+constexpr double many_cache_samples = 1 << 19;
+constexpr std::uint32_t least_cache_rays = 4;
 /// Fewer tell nothing.
 constexpr std::uint32_t least_samples = 64;
 /// With fewer, intervals that resampling points gives are too narrow where a few bright ones count for much.
 constexpr std::size_t least_held_out_points = 512;
 constexpr std::size_t most_held_out_points = 1024;
-/// Of a time budget: finer grids, the reference and the bias.
-constexpr double refining_share = 0.3;
+/// Of the budget of rays, or of time: looking where more probes serve, the pilot's cache included.
+constexpr double planning_share = 0.25;
+constexpr double planning_time_share = 0.35;
+/// Of a time budget: the reference and the bias.
 constexpr double certifying_share = 0.2;
 /// That a time budget shall pay for, so that there is something to leave off.
 constexpr double planned_replicates = 24;
@@ -178,9 +183,11 @@ void leave_out_layers(BakePlan& plan, const Scene& scene, const BakeOptions& opt
 
 /// Per probe, in powers of two, as the cache wants them.
 std::uint32_t cache_rays(std::uint32_t samples, std::size_t probes) {
-    const double wanted = cache_samples_per_sample * samples / static_cast<double>(std::max<std::size_t>(1, probes));
+    const auto count = static_cast<double>(std::max<std::size_t>(1, probes));
+    const double wanted = cache_samples_per_sample * samples / count;
     std::uint32_t rays = CacheOptions{}.rays_per_probe;
     while (rays < wanted && rays < samples) rays *= 2;
+    while (rays > least_cache_rays && rays > std::max(wanted, many_cache_samples / count)) rays /= 2;
     return rays;
 }
 
@@ -215,14 +222,19 @@ void steer_plan(BakePlan& plan, const PathTracer& paths, const BakeOptions& opti
     steering.seed = mix_bits(options.seed, 11);
     std::optional<SurfaceCache> cache;
     PathCounts counts;
-    if (options.clock) steering.seconds = refining_share * (*options.target.seconds - options.clock->seconds());
+    // Where an error is asked for, probes are the limit.
+    steering.rays = options.target.error ? std::numeric_limits<double>::infinity()
+                                         : planning_share * default_ray_budget;
+    if (options.clock) steering.seconds = planning_time_share * (*options.target.seconds - options.clock->seconds());
     if (plan.method == Method::cache) {
         if (progress) progress({"pilot"});
         CacheOptions rough = cache_options(plan, scene, options);
         rough.seed = mix_bits(options.seed, 12);
         cache = build_surface_cache(paths, plan.points, rough);
-        plan.cache_seconds = watch.seconds() / static_cast<double>(plan.points.size());
+        plan.cache_seconds = watch.seconds() / (static_cast<double>(plan.points.size()) * rough.rays_per_probe);
         counts += cache->made().counts;
+        steering.rays -= total_rays(counts);
+        if (steering.seconds) *steering.seconds -= watch.seconds();
         steering.cache = &*cache;
     }
     plan.steering = steer(paths, plan.volume, steering, [&](double share) {
@@ -297,8 +309,9 @@ void limit_samples(BakePlan& plan, const BakeOptions& options, const Cost& cost)
 
 /// With a time budget: what the time that is left pays for.
 void spend_time(BakePlan& plan, const BakeOptions& options) {
+    const double cache_rays_of_all = static_cast<double>(plan.points.size()) * cache_rays(0, plan.points.size());
     const double seconds = *options.target.seconds * (1 - finishing_share - certifying_share) -
-                           options.clock->seconds() - plan.cache_seconds * static_cast<double>(plan.points.size());
+                           options.clock->seconds() - plan.cache_seconds * cache_rays_of_all;
     const double planned =
         plan.steering->seconds_per_sample * gather_rays(plan) * planned_replicates / GatherOptions{}.replicates;
     scale_samples(plan, std::max(seconds, 0.0) / planned);

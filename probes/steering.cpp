@@ -20,8 +20,13 @@ namespace {
 enum Stream : std::uint64_t { noise, probe_light, places, place_light, bands, check };
 
 constexpr int most_levels = 5;
-/// Of a pilot's gathers; probes and points of their own need no more to tell where interpolation fails.
-constexpr std::uint32_t most_pilot_samples = 1024;
+/// Of a pilot's gathers. With 1,024 the volumes were hardly better (Cornell box, breakfast room, default level), and the
+/// looks at a Cornell box took as many rays as its bake.
+constexpr std::uint32_t most_pilot_samples = 256;
+/// Gathers that a probe takes before the bake: its own, and those at points in the cells around it.
+constexpr double gathers_per_probe = 3;
+/// Of the rays or the time, at most, for the looks at the grids as they were given.
+constexpr double first_share = 0.5;
 /// Of a gather for the bake itself.
 constexpr std::uint32_t most_samples = 1U << 20;
 /// Expected of a division where none has been made: between what smooth light (16) and an edge (2) give.
@@ -32,6 +37,8 @@ constexpr double worthwhile = 0.87;
 /// The error has to fall at least as this power of the probes: with half of what a straight edge gives (1/4: twice as
 /// fine takes four times as many along it, and halves the square), noise of the estimate included.
 constexpr double least_yield = 0.125;
+/// Of the probes, before it is told whether the error falls: a few blocks say little of the others.
+constexpr double least_growth = 1.5;
 /// Further points in a block, at most, for each that it has anyway.
 constexpr int most_more = 8;
 constexpr int most_confirmations = 4;
@@ -82,6 +89,9 @@ class Pilot {
         for (std::size_t slot = 0; slot < volume_.list_start(); ++slot) {
             probes_ += volume_.states[slot] == ProbeState::absent ? 0 : 1;
         }
+        const double all_gathers = gathers_per_probe * static_cast<double>(slots.size());
+        most_samples_ = static_cast<std::uint32_t>(
+            std::clamp(first_share * rays_left() / (law_.rays * all_gathers), 0.0, double{most_pilot_samples}));
         light_up(volume_, slots, pilot_samples(first_look));
         for (int grid = 0; grid < static_cast<int>(volume_.grids.size()); ++grid) {
             const std::vector<Block> blocks = blocks_of(volume_, grid);
@@ -103,9 +113,9 @@ class Pilot {
     /// Of interpolation, before anything is known.
     static constexpr double first_look = 0.05;
 
-    /// So that noise at points is less than what shall be seen there.
+    /// So that noise at points is what shall be seen there: it is known, and many points together tell both apart.
     [[nodiscard]] std::uint32_t pilot_samples(double interpolation) const {
-        return samples_for(law_, 0.5 * interpolation, most_pilot_samples);
+        return samples_for(law_, interpolation, most_samples_);
     }
 
     [[nodiscard]] static std::vector<std::size_t> valid_slots(const Volume& volume) {
@@ -318,7 +328,7 @@ class Pilot {
         while (true) {
             expected_ = interpolation();
             // The blocks that were left as they are were chosen because their points looked good: only fresh points tell.
-            if (expected_ <= goal || confirmations == 0) {
+            if (expected_ <= goal) {
                 expected_ = std::sqrt(std::max(look(undivided(0), 1), 0.0));
                 ++confirmations;
             }
@@ -341,8 +351,8 @@ class Pilot {
             const std::size_t first = blocks_.size();
             const double before = divide_blocks(division);
             if (blocks_.size() == first) {
-                result_.why_refined = fmt::format("interpolation leaves {}: no probe or level is left to divide more",
-                                                  rounded_percent(expected_));
+                result_.why_refined =
+                    fmt::format("interpolation leaves {}: {}", rounded_percent(expected_), what_ended());
                 return;
             }
             const double after = look(undivided(first), 8);
@@ -350,22 +360,38 @@ class Pilot {
         }
     }
 
-    /// The last division hardly lowered the error. Where it is much larger than it was, new points found what all others
-    /// had missed, and there is more to do.
-    [[nodiscard]] bool buys_too_little() const {
-        if (result_.rounds.size() < 2) return false;
-        const Round& last = result_.rounds[result_.rounds.size() - 2];
-        const double fallen = std::log(last.interpolation / expected_);
-        return std::abs(fallen) <
-               std::max(least_yield * std::log(static_cast<double>(probes_) / static_cast<double>(last.probes)), 0.01);
+    [[nodiscard]] const char* what_ended() const {
+        if (static_cast<double>(options_.max_probes - probes_) <= probes_left()) {
+            return "no probe or level is left to divide more";
+        }
+        return options_.seconds ? "to look where more probes serve took its share of the time"
+                                : "to look where more probes serve took its share of the rays";
     }
 
-    /// That may be added: what the limit leaves, or the time at the rate that it has taken so far for each.
+    /// Since there were a third fewer probes, divisions hardly lowered the error. Where it is much larger than it was,
+    /// new points found what all others had missed, and there is more to do.
+    [[nodiscard]] bool buys_too_little() const {
+        const auto before = std::find_if(result_.rounds.rbegin(), result_.rounds.rend(), [&](const Round& round) {
+            return least_growth * static_cast<double>(round.probes) <= static_cast<double>(probes_);
+        });
+        if (before == result_.rounds.rend()) return false;
+        const double fallen = std::log(before->interpolation / expected_);
+        return std::abs(fallen) <
+               least_yield * std::log(static_cast<double>(probes_) / static_cast<double>(before->probes));
+    }
+
+    /// That may still be traced; where time is given, what it pays for at the rate so far.
+    [[nodiscard]] double rays_left() const {
+        const PathCounts& counts = result_.counts;
+        const auto traced = static_cast<double>(counts.rays + counts.shadow_rays + result_.placed.rays);
+        if (!options_.seconds) return options_.rays - traced;
+        return traced * (*options_.seconds / watch_.seconds() - 1);
+    }
+
+    /// That may be added: what the limit leaves, and the rays.
     [[nodiscard]] double probes_left() const {
         const auto left = static_cast<double>(options_.max_probes - probes_);
-        if (!options_.seconds) return left;
-        const double each = watch_.seconds() / static_cast<double>(probes_);
-        return std::min(left, (*options_.seconds - watch_.seconds()) / each);
+        return std::min(left, rays_left() / (law_.rays * gathers_per_probe * pilot_samples(expected_)));
     }
 
     /// Divides the blocks, in order, while there are probes left; returns what their squares were.
@@ -477,6 +503,7 @@ class Pilot {
     double gather_seconds_ = 0;
     double gathered_ = 0;  // samples
     Stopwatch watch_;
+    std::uint32_t most_samples_ = 0;  // of a gather here
     double expected_ = first_look;
     std::uint64_t draws_ = 0;
 };

@@ -18,7 +18,8 @@ struct SteeringOptions {
     std::optional<int> bands;  // none: 3, or 5 where an error is asked for that fewer cannot meet
     bool may_refine = false;   // the grids may get finer
     std::int64_t max_probes = 0;
-    std::optional<double> seconds;        // none: as long as it takes, and the result does not depend on the clock
+    double rays = 0;                      // that may be traced
+    std::optional<double> seconds;        // instead of rays; none: the result does not depend on the clock
     const SurfaceCache* cache = nullptr;  // of the pilot; null: paths
     LightEvidence light;
     std::uint64_t seed = 0;

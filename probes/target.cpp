@@ -79,9 +79,14 @@ double variance_at(const PathTracer& paths, std::span<const glm::vec3> points, c
 
 NoiseLaw measure_noise(const PathTracer& paths, std::span<const glm::vec3> points, const GatherRays& rays,
                        std::uint64_t seed, PathCounts& counts) {
-    const double few = variance_at(paths, points, rays, few_samples, seed, counts);
-    const double more = variance_at(paths, points, rays, more_samples, seed, counts);
+    PathCounts counted;
+    const double few = variance_at(paths, points, rays, few_samples, seed, counted);
+    const double more = variance_at(paths, points, rays, more_samples, seed, counted);
+    counts += counted;
     NoiseLaw law{more, more_samples, 1};
+    const double samples = static_cast<double>(std::min(points.size(), pilot_points)) * (few_samples + more_samples) *
+                           pilot_replicates / GatherOptions{}.replicates;
+    if (samples > 0) law.rays = static_cast<double>(counted.rays + counted.shadow_rays) / samples;
     if (more > 0) {
         law.exponent = std::clamp(std::log(few / more) / std::log(double{more_samples} / few_samples), 1.0, steepest);
     }

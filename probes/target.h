@@ -47,6 +47,7 @@ struct NoiseLaw {
     double variance = 0;  // of irradiance over its mean square, at `samples`
     std::uint32_t samples = 1;
     double exponent = 1;  // variance falls as samples^-exponent: 1 for random rays, more where even ones do better
+    double rays = 1;      // of each sample: its own, and those aimed at lights
 
     [[nodiscard]] double at(double other_samples) const noexcept;
 };
