@@ -15,6 +15,8 @@ namespace {
 constexpr std::uint32_t least_replicates = 4;
 /// Each has a quarter of the area for a patch, twice the rays that find them and twice the samples of lights.
 constexpr int most_finer_caches = 2;
+/// Comparing look-ups, in measurements of the error: four for each band, and the time that they take.
+constexpr double measures_per_band = 6;
 
 /// Of irradiance, over all directions of all gathered probes.
 ErrorPart noise_at_probes(const Volume& volume, std::span<const Batch> batches) {
@@ -193,10 +195,13 @@ class Bake {
     /// What time allows of `more` replicates, or all of them where it is no matter.
     [[nodiscard]] std::uint32_t affordable(std::uint32_t done, std::uint32_t more, double seconds) const {
         if (!options_.clock) return more;
-        const double left = *options_.target.seconds * (1 - finishing_share) - options_.clock->seconds();
-        const double each = seconds / std::max(1U, done);
         if (done < least_replicates) return 1;
-        return std::min(more, static_cast<std::uint32_t>(std::max(0.0, left / each)));
+        const double measures = options_.compare_look_ups ? measures_per_band * plan_.volume.bands : 1;
+        const double left = *options_.target.seconds * (1 - finishing_share) - measures * measuring_seconds_ -
+                            options_.clock->seconds();
+        const auto affordable = static_cast<std::uint32_t>(std::max(0.0, left * done / seconds));
+        // Half of what is left at once: other programs may come and go meanwhile.
+        return std::min({more, affordable, std::max(1U, affordable / 2)});
     }
 
     void gather() {
@@ -235,7 +240,9 @@ class Bake {
             result_.noise = noise_at_probes(result_.volume, plan_.batches);
             if (done > 1) error = result_.noise.relrmse;
             if (!held_out_.points.empty()) {
+                const Stopwatch measuring;
                 const ErrorPart total = measure_error(result_.volume, held_out_).total;
+                measuring_seconds_ = measuring.seconds();
                 error = std::max(total.relrmse, 0.0);
                 result_.curve.push_back({seconds, done * plan_.samples / gather_options.replicates, rays_gathered(),
                                          total.relrmse, total.interval});
@@ -336,6 +343,7 @@ class Bake {
     std::optional<Surfaces> surfaces_;  // it is of, where transport is to be kept, or lit layer by layer
     CacheOptions surfaces_options_;     // of these
     std::vector<GatherSums> sums_;      // by batch
+    double measuring_seconds_ = 0;      // of the error, once
     std::optional<Volume> unrounded_;
 };
 
