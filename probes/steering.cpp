@@ -20,8 +20,8 @@ namespace {
 enum Stream : std::uint64_t { noise, probe_light, places, place_light, bands, check };
 
 constexpr int most_levels = 5;
-/// Of a pilot's gathers. With 1,024 the volumes were hardly better (Cornell box, breakfast room, default level), and the
-/// looks at a Cornell box took as many rays as its bake.
+/// Of a pilot's gathers. With 1,024 the volumes were hardly better (Cornell box, breakfast room, default level), and
+/// the looks at a Cornell box took more rays than its gathers.
 constexpr std::uint32_t most_pilot_samples = 256;
 /// Gathers that a probe takes before the bake: its own, and those at points in the cells around it.
 constexpr double gathers_per_probe = 3;
