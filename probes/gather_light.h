@@ -41,8 +41,8 @@ class PointLight {
 
 /// What there is to be seen from probes.
 struct LightSeen {
-    std::span<const glm::vec3> reflected;         // radiance, by patch; empty: black
-    std::span<const glm::vec3> straight;          // by source: a factor of what comes straight from it but for the sky
+    std::span<const glm::vec3> reflected;          // radiance, by patch; empty: black
+    std::span<const glm::vec3> straight;           // by source: a factor of what comes straight from it but for the sky
     std::function<glm::vec3(glm::vec3)> sky = {};  // radiance that rays in a direction meet; empty: black
 };
 

@@ -78,7 +78,8 @@ class Parts {
                               std::max(size.x * size.y * size.z, 1e-300)});
         }
         const double all_space = sum_of(parts_, space_of);
-        while (divide_where(space_of, most_space * all_space) > 0) {}
+        while (divide_where(space_of, most_space * all_space) > 0) {
+        }
         look(parts_, counts);
         for (int i = 0; i < most_divisions; ++i) {
             const std::size_t fresh = divide_where(light_of, most_light * sum_of(parts_, light_of));

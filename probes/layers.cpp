@@ -36,9 +36,8 @@ std::vector<int> find_groups(const LayerChoice& choice, const Scene& scene) {
         const auto group = std::find(scene.groups.begin(), scene.groups.end(), name);
         if (group == scene.groups.end()) {
             throw Error(fmt::format("there is no group \"{}\" of lights", name), scene.name,
-                        scene.groups.empty()
-                            ? R"(Give nodes extras {"lightgrid": {"group": "NAME"}}.)"
-                            : fmt::format("Choose among: {}.", fmt::join(scene.groups, ", ")));
+                        scene.groups.empty() ? R"(Give nodes extras {"lightgrid": {"group": "NAME"}}.)"
+                                             : fmt::format("Choose among: {}.", fmt::join(scene.groups, ", ")));
         }
         const auto index = static_cast<int>(group - scene.groups.begin());
         if (std::find(found.begin(), found.end(), index) == found.end()) found.push_back(index);

@@ -366,8 +366,7 @@ void apply(Volume& volume, const Filling& filling) {
     std::copy(filling.errors.begin(), filling.errors.end(), volume.errors.begin() + slot * n);
     std::copy(filling.axis_errors.begin(), filling.axis_errors.end(), volume.axis_errors.begin() + slot * 6);
     for (std::size_t k = 0; k < filling.layers.size(); ++k) {
-        std::copy(filling.layers[k].begin(), filling.layers[k].end(),
-                  volume.layers[k].coefficients.begin() + slot * n);
+        std::copy(filling.layers[k].begin(), filling.layers[k].end(), volume.layers[k].coefficients.begin() + slot * n);
     }
     volume.states[filling.slot] = ProbeState::filled;
 }

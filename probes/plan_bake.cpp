@@ -223,8 +223,8 @@ void steer_plan(BakePlan& plan, const PathTracer& paths, const BakeOptions& opti
     std::optional<SurfaceCache> cache;
     PathCounts counts;
     // Where an error is asked for, probes are the limit.
-    steering.rays = options.target.error ? std::numeric_limits<double>::infinity()
-                                         : planning_share * default_ray_budget;
+    steering.rays =
+        options.target.error ? std::numeric_limits<double>::infinity() : planning_share * default_ray_budget;
     if (options.clock) steering.seconds = planning_time_share * (*options.target.seconds - options.clock->seconds());
     if (plan.method == Method::cache) {
         if (progress) progress({"pilot"});
@@ -323,8 +323,8 @@ HeldOutOptions held_out_options(const BakePlan& plan, const BakeOptions& options
     HeldOutOptions result;
     const double rays = reference_share * paths_per_ray * gather_rays(plan) / 2;
     // Few rays at many points: what differs from point to point is more than what the reference is unsure of.
-    result.points = static_cast<std::size_t>(
-        std::clamp(rays / 128, double{least_held_out_points}, double{most_held_out_points}));
+    result.points =
+        static_cast<std::size_t>(std::clamp(rays / 128, double{least_held_out_points}, double{most_held_out_points}));
     const double most = options.target.samples ? most_samples : 512;
     result.samples = static_cast<std::uint32_t>(std::clamp(rays / static_cast<double>(result.points), 64.0, most));
     if (options.target.error || options.target.seconds) result.points = most_held_out_points;

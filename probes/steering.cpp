@@ -212,7 +212,8 @@ class Pilot {
         }
         for_each_index(drawn.size(), [&](std::size_t i) {
             const glm::vec3 point(drawn[i].position - paths_.tracer().scene().origin);
-            drawn[i].open = is_open(paths_.tracer(), point, first_spacing_[blocks_[drawn[i].block].grid], options_.light);
+            drawn[i].open =
+                is_open(paths_.tracer(), point, first_spacing_[blocks_[drawn[i].block].grid], options_.light);
         });
         return drawn;
     }

@@ -205,8 +205,7 @@ std::string encode(Volume& volume) {
     std::vector<float> states;
     std::vector<glm::vec3> relative;
 
-    std::vector<Part> parts{
-        make_light_part(combined_layer, volume.coefficients, volume, layout, index.light_scale)};
+    std::vector<Part> parts{make_light_part(combined_layer, volume.coefficients, volume, layout, index.light_scale)};
     if (!all_zero(volume.errors) || !all_zero(volume.axis_errors))
         parts.push_back(make_error_part(volume, layout, index));
     parts.push_back(make_validity_part(volume, layout, states));

@@ -315,9 +315,8 @@ json bake_report(const Tracer& tracer, const BakePlan& plan, const BakeResult& r
     report["noise"] = result.noise.relrmse;
     report["layers"] = json::array();
     for (const Layer& layer : result.volume.layers) {
-        report["layers"].push_back({{"name", layer.name},
-                                    {"bytes", stored_bytes(result.volume, layer.coefficients)},
-                                    {"noise", layer.noise}});
+        report["layers"].push_back(
+            {{"name", layer.name}, {"bytes", stored_bytes(result.volume, layer.coefficients)}, {"noise", layer.noise}});
     }
     report["error"] = error_json(result);
     report["target"] = target_json(plan, result, options);

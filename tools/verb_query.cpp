@@ -74,8 +74,8 @@ void run_query(const QueryOptions& options) {
     how.outside = options.outside == "fade" ? Outside::fade : Outside::clamp;
     how.fade_distance = options.fade_distance;
     how.environment = environment;
-    const std::vector<glm::vec3> layers = options.layers.empty() ? std::vector<glm::vec3>()
-                                                                 : layer_weights(options, volume);
+    const std::vector<glm::vec3> layers =
+        options.layers.empty() ? std::vector<glm::vec3>() : layer_weights(options, volume);
     how.layers = layers;
     options.sh ? write_coefficients(sampler, volume.bands, points, how, options.dering)
                : write_irradiance(sampler, volume.bands, points, how, options.dering);

@@ -19,8 +19,8 @@ bool is_of_sky(const Layer& layer) {
 }  // namespace
 
 LayerKnob* find_sky(LayerMix& mix) noexcept {
-    const auto sky = std::find_if(mix.knobs.begin(), mix.knobs.end(),
-                                  [](const LayerKnob& knob) { return knob.name == sky_knob; });
+    const auto sky =
+        std::find_if(mix.knobs.begin(), mix.knobs.end(), [](const LayerKnob& knob) { return knob.name == sky_knob; });
     return sky == mix.knobs.end() ? nullptr : &*sky;
 }
 

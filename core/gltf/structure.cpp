@@ -518,8 +518,7 @@ void check_node(Check& node) {
         node.bad("matrix", "stands beside translation, rotation or scale");
     if (node.has("skin") && !node.has("mesh")) node.harmless("skin", "means nothing without a mesh");
     if (node.has("weights") && !node.has("mesh")) node.harmless("weights", "mean nothing without a mesh");
-    if (node.has_object("extras"))
-        node.leniently([](Check& c) { c.object("extras", check_extras); });
+    if (node.has_object("extras")) node.leniently([](Check& c) { c.object("extras", check_extras); });
     node.extensions({
         {"KHR_lights_punctual",
          [](Check& c) {

@@ -153,10 +153,10 @@ Parts bake_many(const Level& level, int seeds) {
         parts[1].count(is.rest, result.error->without_bands);
         parts[2].count(truth.bands, result.error->bands);
     }
-    fmt::print("\n{}: {} probes, {} held-out points, {:.2f} s of the processor a bake; truth known to {:.2f} of a "
-               "width\n",
-               level.name, plan.points.size(), plan.held_out.points, seconds / seeds,
-               truth.spread / (parts[0].width / seeds));
+    fmt::print(
+        "\n{}: {} probes, {} held-out points, {:.2f} s of the processor a bake; truth known to {:.2f} of a "
+        "width\n",
+        level.name, plan.points.size(), plan.held_out.points, seconds / seeds, truth.spread / (parts[0].width / seeds));
     return parts;
 }
 

@@ -18,8 +18,8 @@ Volume layered() {
         Layer layer{names[k], volume.coefficients, 0};
         for (std::size_t i = 0; i < layer.coefficients.size(); ++i) {
             // A sky comes as it is.
-            layer.coefficients[i] = k == 0 || k == 10 ? glm::vec3(static_cast<float>(k + i % 9))
-                                                      : glm::vec3(i % 9 == k - 1 ? 1.0F : 0.0F);
+            layer.coefficients[i] =
+                k == 0 || k == 10 ? glm::vec3(static_cast<float>(k + i % 9)) : glm::vec3(i % 9 == k - 1 ? 1.0F : 0.0F);
         }
         volume.layers.push_back(layer);
     }

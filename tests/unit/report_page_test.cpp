@@ -99,7 +99,8 @@ json unmeasured_report() {
                          {"bias", nullptr},
                          {"storage", nullptr}}}};
     report["halving"] = nullptr;
-    for (const char* empty : {"curve", "look_ups", "remedies", "grids", "layers", "left_out"}) report[empty] = json::array();
+    for (const char* empty : {"curve", "look_ups", "remedies", "grids", "layers", "left_out"})
+        report[empty] = json::array();
     return report;
 }
 

@@ -256,8 +256,8 @@ TEST(Volume, TakesLayersAlong) {
     add_row(volume.axis_errors, 6);
     add_row(volume.offsets, 1);
     for (Layer& layer : volume.layers) add_row(layer.coefficients, 9);
-    Volume more = make_volume({volume.grids[0], volume.grids[1], {{0, 0, 0}, {1, 1, 1}, {4, 4, 4}}},
-                              {{2, {0, 0, 0}}}, 3);
+    Volume more =
+        make_volume({volume.grids[0], volume.grids[1], {{0, 0, 0}, {1, 1, 1}, {4, 4, 4}}}, {{2, {0, 0, 0}}}, 3);
     for (const Layer& layer : volume.layers) more.layers.push_back({layer.name, {}, 0});
     set_bands(more, 3);
     more.layers[1].coefficients[0] = glm::vec3(5);
