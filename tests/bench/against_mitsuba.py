@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The path gather beside Mitsuba 3's `path` integrator: time at equal error, on the same probes of the same triangles.
+"""Lightgrid beside Mitsuba 3's `path` integrator: time at equal error, on the same probes of the same triangles.
 
     against_mitsuba.py [options] LEVEL[@ENVIRONMENT] ...
 
@@ -14,6 +14,10 @@ Mitsuba shoots independent uniform directions, each followed by `path` (no depth
 leaves lamps that a probe sees to be met by chance, so a second variant (`path + nee`) samples emitters at the probe too
 and weighs both by the power-balance heuristic, as its own sensors cannot. Its kernels are compiled in a first round that
 does not count, as does neither program's loading.
+
+With --method path Lightgrid gathers at these points alone, by paths. With --method cache it bakes the whole grid that
+they are picked from, and they are charged their share of its cache and gathers. Each round makes a cache of its own, so
+that its noise counts as error; what all caches are off by the same (cache_against_path.cpp measures it) does not.
 
 Time is processor time of all threads (steady on a machine that does other work); wall-clock time stands beside it.
 
@@ -59,7 +63,7 @@ TO_IRRADIANCE = np.array(sh_basis(*AXES.T)).T * (np.pi * np.array([1] + [2 / 3] 
 
 class Lightgrid:
     def __init__(self, programs, level, environment, threads, folder):
-        self.programs, self.folder = programs, folder
+        self.programs, self.folder, self.threads = programs, folder, threads
         self.light = [level, "--threads", str(threads)]
         if environment:
             self.light += ["--environment", environment]
@@ -71,32 +75,48 @@ class Lightgrid:
     def probes_of(self, volume):
         return list(csv.DictReader(io.StringIO(self.run("lightgrid", "probes", volume))))
 
+    def bake(self, *options):
+        """Positions, validity and coefficients of the probes, processor time of the program, seconds by stage."""
+        volume, report = self.folder / "volume.probes.exr", self.folder / "report.json"
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        self.run("level-bake", *self.light, "-o", volume, "--report-json", report, "--quiet", *options)
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        processor_s = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+        rows = self.probes_of(volume)
+        positions = np.array([[float(row[c]) for c in "xyz"] for row in rows])
+        valid = np.array([row["valid"] == "1" for row in rows])
+        coefficients = np.array([[[float(row[f"c{i}{c}"]) for c in "rgb"] for i in range(9)] for row in rows])
+        stages = {stage["name"]: stage["seconds"] for stage in json.loads(report.read_text())["stages"]}
+        return positions, valid, coefficients, processor_s, stages
+
     def choose_points(self, count):
         """Valid probes of a grid, evenly picked."""
-        volume = self.folder / "grid.probes.exr"
-        self.run("level-bake", *self.light, "--samples", 16, "--max-probes", 64 * count, "-o", volume, "--quiet")
-        points = np.array([[float(row[c]) for c in "xyz"] for row in self.probes_of(volume) if row["valid"] == "1"])
+        positions, valid, *_ = self.bake("--samples", 16, *self.grid(count))
+        points = positions[valid]
         # Not those on the bounds themselves, which walls may share.
         margin = 0.02 * (points.max(axis=0) - points.min(axis=0))
         points = points[np.all((points > points.min(axis=0) + margin) & (points < points.max(axis=0) - margin), axis=1)]
         return points[np.random.default_rng(1).permutation(len(points))[:count]]
 
-    def bake(self, points_file, samples, seed):
-        """Coefficients, processor time of the program, wall-clock time of the gather."""
-        volume, report = self.folder / "list.probes.exr", self.folder / "report.json"
-        before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        self.run("level-bake", *self.light, "--probes", points_file, "--samples", samples, "--seed", seed, "-o", volume,
-                 "--report-json", report, "--quiet")
-        after = resource.getrusage(resource.RUSAGE_CHILDREN)
-        processor_s = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-        stages = {stage["name"]: stage["seconds"] for stage in json.loads(report.read_text())["stages"]}
-        coefficients = [[[float(row[f"c{i}{c}"]) for c in "rgb"] for i in range(9)] for row in self.probes_of(volume)]
-        return np.array(coefficients), processor_s, stages["gather"]
+    @staticmethod
+    def grid(count):
+        return "--max-probes", 64 * count
 
-    def gather(self, points_file, samples, seed):
-        coefficients, processor_s, wall_s = self.bake(points_file, samples, seed)
+    def gather_in_grid(self, points, samples, seed):
+        """By the cache, with the share of these points in its time."""
+        grid = self.grid(len(points))
+        positions, valid, coefficients, _, stages = self.bake("--samples", samples, "--seed", seed, *grid)
+        rows = {tuple(position): i for i, position in enumerate(positions.tolist())}
+        wall_s = (stages["cache"] + stages["gather"]) * len(points) / valid.sum()
+        # All threads are busy in both stages.
+        return coefficients[[rows[tuple(point)] for point in points.tolist()]], self.threads * wall_s, wall_s
+
+    def gather_list(self, points_file, samples, seed):
+        """By paths: coefficients, processor time, wall-clock time of the gather."""
+        bake = lambda count: self.bake("--method", "path", "--probes", points_file, "--samples", count, "--seed", seed)
+        _, _, coefficients, processor_s, stages = bake(samples)
         # What is not gathering costs the same with next to no samples.
-        return coefficients, processor_s - min(self.bake(points_file, 16, seed)[1] for _ in range(2)), wall_s
+        return coefficients, processor_s - min(bake(16)[3] for _ in range(2)), stages["gather"]
 
 
 class Mitsuba:
@@ -200,7 +220,8 @@ def compare(options, level, environment):
         points_file.write_text("x,y,z\n" + "".join(f"{x!r},{y!r},{z!r}\n" for x, y, z in points.tolist()))
         theirs = Mitsuba(options.variant, folder / "scene" / "scene.xml", environment, options.threads, points)
         gathers = {
-            "lightgrid": lambda seed: ours.gather(points_file, options.samples, seed),
+            "lightgrid": lambda seed: (ours.gather_list(points_file, options.samples, seed) if options.method == "path"
+                                       else ours.gather_in_grid(points, options.samples, seed)),
             "path": lambda seed: theirs.gather(options.mitsuba_samples, False),
             "path + nee": lambda seed: theirs.gather(options.mitsuba_samples, True),
         }
@@ -239,6 +260,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("levels", nargs="+", metavar="LEVEL[@ENVIRONMENT]")
     parser.add_argument("--programs", type=pathlib.Path, default=pathlib.Path("build/release/bin"))
+    parser.add_argument("--method", choices=["path", "cache"], default="path")
     parser.add_argument("--points", type=int, default=256)
     parser.add_argument("--samples", type=int, default=4096, help="of Lightgrid, per probe and round")
     parser.add_argument("--mitsuba-samples", type=int, default=4096, help="of Mitsuba, per probe and round")
