@@ -2,6 +2,7 @@
 
 #include "core/stopwatch.h"
 #include "probes/error_report.h"
+#include "probes/grid_choice.h"
 #include "probes/kept_transport.h"
 #include "probes/layers.h"
 #include "probes/look_ups.h"

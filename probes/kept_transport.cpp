@@ -31,18 +31,18 @@ std::vector<glm::vec3> points_of(const KeptGather& gather, const Volume& volume,
 ///
 /// rays_per_sample  of emitters, as PathTracer::gather_lights
 /// out              by source
-void aim(const PathTracer& paths, glm::vec3 point, std::size_t index, std::uint64_t seed, std::uint32_t count,
+void aim(const PathTracer& paths, const Receiver& at, std::size_t index, std::uint64_t seed, std::uint32_t count,
          float rays_per_sample, const SkyLight& sky, std::vector<PointLight>& out, PathCounts& counts) {
     std::vector<LightSample> light;
     for (std::uint32_t r = 0; r < replicates; ++r) {
         light.clear();
-        paths.gather_lights({point}, replicate_key(seed, index, r), count, rays_per_sample, sky, count, light, counts);
+        paths.gather_lights(at, replicate_key(seed, index, r), count, rays_per_sample, sky, count, light, counts);
         for (const LightSample& sample : light) {
             out[sample.source].add(r, sample.direction, glm::dvec3(sample.radiance));
         }
     }
     light.clear();
-    paths.gather_punctual(point, light, counts);
+    paths.gather_punctual(at.position, light, counts);
     for (const LightSample& sample : light) {
         for (std::uint32_t r = 0; r < replicates; ++r) {
             out[sample.source].add(r, sample.direction, glm::dvec3(sample.radiance));
@@ -79,7 +79,9 @@ class GatherTracer {
         std::vector<PathCounts> counted(batch.points.size());
         for_each_index(batch.points.size(), [&](std::size_t point) {
             std::vector<PointLight> aimed(sources, PointLight(bands_));
-            aim(paths_, batch.points[point], point, seed, gather.rays, 1, sky_, aimed, counted[point]);
+            const EmitterCut cut = paths_.emitters().open({batch.points[point]}, gather.rays * replicates);
+            const Receiver at{batch.points[point], {}, &cut};
+            aim(paths_, at, point, seed, gather.rays, 1, sky_, aimed, counted[point]);
             for (std::size_t s = 0; s < sources; ++s) {
                 const std::vector<KeptEstimate> estimates = kept(aimed[s].estimates());
                 std::copy(estimates.begin(), estimates.end(),
@@ -87,7 +89,7 @@ class GatherTracer {
             }
             for (std::uint32_t r = 0; r < replicates; ++r) {
                 const std::size_t set = point * replicates + r;
-                follow(batch.points[point], replicate_rotation(replicate_key(seed, point, r)), even,
+                follow(at, replicate_rotation(replicate_key(seed, point, r)), even,
                        std::span(gather.landed).subspan(set * gather.rays, gather.rays), ends[set], missing[set],
                        counted[point]);
             }
@@ -135,16 +137,17 @@ class GatherTracer {
         bool is_end = false;
     };
 
-    void follow(glm::vec3 point, const glm::mat3& rotation, std::span<const glm::vec3> even,
+    void follow(const Receiver& from, const glm::mat3& rotation, std::span<const glm::vec3> even,
                 std::span<std::uint32_t> landed, std::vector<RayEnd>& ends, std::vector<Missing>& missing,
                 PathCounts& counts) const {
+        const glm::vec3 point = from.position;
         std::vector<Met> met;
         std::vector<glm::vec3> light(paths_.sources().count);
         for (std::uint32_t i = 0; i < even.size(); ++i) {
             const glm::vec3 direction = rotation * even[i];
             met.clear();
             std::fill(light.begin(), light.end(), glm::vec3(0));
-            paths_.look_along({point, {}}, point, direction, 1, SkyLight(), light, met, counts);
+            paths_.look_along(from, point, direction, 1, SkyLight(), light, met, counts);
             for (const Met& m : met) {
                 const std::uint32_t at =
                     m.hit.found() ? patches_.find(paths_.tracer(), {m.hit, point, direction}, counts.shadow_rays)
@@ -242,7 +245,8 @@ KeptLight light_probes(const KeptTransport& kept, const Tracer& tracer, const En
             std::vector<Estimate> other;
             if (others) {
                 std::vector<PointLight> aimed(1, PointLight(volume.bands));
-                aim(*others, points[point], point, others_seed(gather.seed), gather.rays, 0, sky, aimed,
+                const EmitterCut cut = others->emitters().open({points[point]}, gather.rays * replicates);
+                aim(*others, {points[point], {}, &cut}, point, others_seed(gather.seed), gather.rays, 0, sky, aimed,
                     counted[point]);
                 other = aimed[0].estimates();
             }

@@ -17,7 +17,7 @@
 namespace lightgrid {
 namespace {
 
-constexpr const char* syntax = "Give combined, direct,indirect, or a list of sky, groups and names of groups.";
+constexpr const char* syntax = "Give combined, direct,indirect, or a list of sky, groups and names of groups";
 
 std::vector<std::string> split(const std::string& names) {
     std::vector<std::string> list;

@@ -7,27 +7,9 @@
 
 #include <cstdint>
 #include <functional>
-#include <optional>
-#include <string>
-#include <vector>
 
-/// Where probes stand: lattices over boxes, probes freed from solids, holes filled.
+/// Where the probes of a lattice stand: freed from solids, holes filled.
 namespace lightgrid {
-
-struct PlacementOptions {
-    std::optional<double> spacing;  // metres between probes at most; none: chosen from the boxes' size
-    std::vector<Box> boxes;         // level coordinates; empty: the level's markers, else its bounds
-    std::int64_t max_probes = 65536;
-};
-
-struct GridChoice {
-    std::vector<Grid> grids;
-    std::string why;  // one sentence for the user
-};
-
-/// Lattices that span the boxes exactly, with cells as near to cubes as whole numbers allow. Throws Error before
-/// anything is allocated where they would hold more than max_probes.
-[[nodiscard]] GridChoice choose_grids(const Scene& scene, const PlacementOptions& options);
 
 /// What became of the probes of a volume.
 struct PlacementCounts {

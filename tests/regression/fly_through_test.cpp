@@ -237,7 +237,8 @@ constexpr const char* own_display = R"(
 class InAWindow : public FlyThrough {
   protected:
     void SetUp() override {
-        if (shell("command -v Xvfb xdotool").status != 0) GTEST_SKIP() << "Xvfb or xdotool is not installed";
+        if (shell("command -v Xvfb && command -v xdotool").status != 0)
+            GTEST_SKIP() << "Xvfb or xdotool is not installed";
     }
     /// Starts the program with `arguments`, does as `script` says and awaits the program's end. In the script, $window
     /// is its window; `wait_for FILE` waits until there is something in it, `wait_for_word WORD` until it was said.

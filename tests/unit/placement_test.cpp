@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "core/sh.h"
+#include "probes/grid_choice.h"
 #include "tests/scene_builder.h"
 
 #include <gtest/gtest.h>

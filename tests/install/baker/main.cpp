@@ -2,7 +2,7 @@
 
 #include "core/error.h"
 #include "core/gltf.h"
-#include "probes/placement.h"
+#include "probes/grid_choice.h"
 
 #include <cstdio>
 
