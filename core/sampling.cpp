@@ -33,6 +33,13 @@ glm::mat3 random_rotation(std::uint64_t key) noexcept {
         glm::dquat(b * std::cos(angle.y), a * std::sin(angle.x), a * std::cos(angle.x), b * std::sin(angle.y))));
 }
 
+std::vector<glm::vec3> turned(std::span<const glm::vec3> directions, const glm::mat3& rotation) {
+    std::vector<glm::vec3> result;
+    result.reserve(directions.size());
+    for (const glm::vec3& direction : directions) result.push_back(rotation * direction);
+    return result;
+}
+
 glm::vec3 sphere_direction(glm::vec2 u) noexcept {
     const float y = 1 - 2 * u.x;
     const float radius = std::sqrt(std::max(0.0F, 4 * u.x * (1 - u.x)));  // sqrt(1 - y^2) without cancellation

@@ -109,6 +109,7 @@ template <typename T>
 /// A rotation uniform over all rotations (Shoemake, "Uniform Random Rotations", 1992): turns a fixed set of directions
 /// into one whose every direction alone is uniform on the sphere.
 [[nodiscard]] glm::mat3 random_rotation(std::uint64_t key) noexcept;
+[[nodiscard]] std::vector<glm::vec3> turned(std::span<const glm::vec3> directions, const glm::mat3& rotation);
 
 /// Uniform on the sphere, area-preserving; u in [0, 1)^2. Density 1 / (4 pi).
 [[nodiscard]] glm::vec3 sphere_direction(glm::vec2 u) noexcept;

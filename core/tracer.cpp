@@ -34,11 +34,25 @@ void intersect(RTCScene scene, QueryContext* context, RTCRayHit* ray) {
     rtcIntersect1(scene, ray, &arguments);
 }
 
+void intersect(const int* valid, RTCScene scene, QueryContext* context, RTCRayHit8* rays) {
+    RTCIntersectArguments arguments;
+    rtcInitIntersectArguments(&arguments);
+    arguments.context = context;
+    rtcIntersect8(valid, scene, rays, &arguments);
+}
+
 void occluded(RTCScene scene, QueryContext* context, RTCRay* ray) {
     RTCOccludedArguments arguments;
     rtcInitOccludedArguments(&arguments);
     arguments.context = context;
     rtcOccluded1(scene, ray, &arguments);
+}
+
+void occluded(const int* valid, RTCScene scene, QueryContext* context, RTCRay8* rays) {
+    RTCOccludedArguments arguments;
+    rtcInitOccludedArguments(&arguments);
+    arguments.context = context;
+    rtcOccluded8(valid, scene, rays, &arguments);
 }
 #else
 using QueryContext = RTCIntersectContext;
@@ -49,10 +63,19 @@ void init(QueryContext* context) {
 void intersect(RTCScene scene, QueryContext* context, RTCRayHit* ray) {
     rtcIntersect1(scene, context, ray);
 }
+void intersect(const int* valid, RTCScene scene, QueryContext* context, RTCRayHit8* rays) {
+    rtcIntersect8(valid, scene, context, rays);
+}
 void occluded(RTCScene scene, QueryContext* context, RTCRay* ray) {
     rtcOccluded1(scene, context, ray);
 }
+void occluded(const int* valid, RTCScene scene, QueryContext* context, RTCRay8* rays) {
+    rtcOccluded8(valid, scene, context, rays);
+}
 #endif
+
+/// Rays that Embree is given at once.
+constexpr std::size_t packet_size = 8;
 
 /// A mesh with a filter: light may pass it, or it has triangles so large that Embree's word is checked.
 struct FilteredMesh {
@@ -63,22 +86,17 @@ struct FilteredMesh {
     [[nodiscard]] const Material& material() const { return scene->materials[mesh->material]; }
 };
 
-/// A hit as a filter sees it. Embree asks for one ray at a time here.
+/// A hit as a filter sees it, the i-th of those that Embree asks about at once.
 struct Candidate {
     const FilteredMesh& mesh;
+    unsigned ray;  // in its packet
     SurfaceId id;
     float distance;
     glm::vec2 barycentric;
     glm::vec3 origin, direction, normal;  // in the mesh's own space; normal of any length
 
-    explicit Candidate(const RTCFilterFunctionNArguments* args)
-        : mesh(*static_cast<const FilteredMesh*>(args->geometryUserPtr)),
-          id{RTCHitN_instID(args->hit, 1, 0, 0), RTCHitN_geomID(args->hit, 1, 0), RTCHitN_primID(args->hit, 1, 0)},
-          distance(RTCRayN_tfar(args->ray, 1, 0)),
-          barycentric(RTCHitN_u(args->hit, 1, 0), RTCHitN_v(args->hit, 1, 0)),
-          origin(RTCRayN_org_x(args->ray, 1, 0), RTCRayN_org_y(args->ray, 1, 0), RTCRayN_org_z(args->ray, 1, 0)),
-          direction(RTCRayN_dir_x(args->ray, 1, 0), RTCRayN_dir_y(args->ray, 1, 0), RTCRayN_dir_z(args->ray, 1, 0)),
-          normal(RTCHitN_Ng_x(args->hit, 1, 0), RTCHitN_Ng_y(args->hit, 1, 0), RTCHitN_Ng_z(args->hit, 1, 0)) {}
+    Candidate(const RTCFilterFunctionNArguments* args, unsigned i)
+        : Candidate(args, args->ray, args->hit, args->N, i) {}
 
     /// Whether the ray really crosses the triangle's plane within max_distance, in double. Embree's own distance to a
     /// huge triangle is off by units in the last place of its corners' coordinates: 1 cm where they are at 1e5 m.
@@ -97,7 +115,26 @@ struct Candidate {
     [[nodiscard]] bool on_edge() const {
         return std::min({barycentric.x, barycentric.y, 1 - barycentric.x - barycentric.y}) < 0x1p-20F;
     }
+
+  private:
+    Candidate(const RTCFilterFunctionNArguments* args, RTCRayN* rays, RTCHitN* hits, unsigned n, unsigned i)
+        : mesh(*static_cast<const FilteredMesh*>(args->geometryUserPtr)),
+          ray(RTCRayN_id(rays, n, i)),
+          id{RTCHitN_instID(hits, n, i, 0), RTCHitN_geomID(hits, n, i), RTCHitN_primID(hits, n, i)},
+          distance(RTCRayN_tfar(rays, n, i)),
+          barycentric(RTCHitN_u(hits, n, i), RTCHitN_v(hits, n, i)),
+          origin(RTCRayN_org_x(rays, n, i), RTCRayN_org_y(rays, n, i), RTCRayN_org_z(rays, n, i)),
+          direction(RTCRayN_dir_x(rays, n, i), RTCRayN_dir_y(rays, n, i), RTCRayN_dir_z(rays, n, i)),
+          normal(RTCHitN_Ng_x(hits, n, i), RTCHitN_Ng_y(hits, n, i), RTCHitN_Ng_z(hits, n, i)) {}
 };
+
+/// Takes candidates away from Embree that are no hits.
+template <typename IsHit>
+void keep_hits(const RTCFilterFunctionNArguments* args, IsHit is_hit) {
+    for (unsigned i = 0; i < args->N; ++i) {
+        if (args->valid[i] != 0 && !is_hit(Candidate(args, i))) args->valid[i] = 0;
+    }
+}
 
 /// Where rays start: beyond a surface that their origin is exactly on. Small enough for any level, and large enough not
 /// to be flushed to zero when Embree scales it by a triangle's area.
@@ -111,29 +148,32 @@ struct Depth {
     auto operator<=>(const Depth&) const = default;
 };
 
-struct ClosestQuery {
-    QueryContext context;  // first: Embree hands this address to the filters
-    float max_distance;
+struct ClosestRay {
+    float max_distance = std::numeric_limits<float>::infinity();
     Depth behind;                                               // what came before
     Depth nearest{std::numeric_limits<float>::infinity(), {}};  // of the surfaces that pass light
 };
 
+/// Of one ray or a packet.
+struct ClosestQuery {
+    QueryContext context;  // first: Embree hands this address to the filters
+    ClosestRay* rays;      // by RTCRay::id
+};
+
 void filter_closest(const RTCFilterFunctionNArguments* args) {
-    const Candidate hit(args);
-    auto& query = *reinterpret_cast<ClosestQuery*>(args->context);
-    const auto accepted = [&] {
-        if (hit.mesh.huge && !hit.crosses(query.max_distance)) return false;
+    keep_hits(args, [&](const Candidate& hit) {
+        ClosestRay& ray = reinterpret_cast<ClosestQuery*>(args->context)->rays[hit.ray];
+        if (hit.mesh.huge && !hit.crosses(ray.max_distance)) return false;
         if (!hit.mesh.material().passes_light()) return true;
         if (hit.mesh.material().alpha_mode == AlphaMode::mask &&
             alpha_at(*hit.mesh.scene, *hit.mesh.mesh, hit.id.triangle, hit.barycentric) == 0) {
             return false;
         }
         const Depth depth{hit.distance, hit.id};
-        if (depth <= query.behind || depth > query.nearest) return false;
-        query.nearest = depth;
+        if (depth <= ray.behind || depth > ray.nearest) return false;
+        ray.nearest = depth;
         return true;
-    };
-    if (!accepted()) args->valid[0] = 0;
+    });
 }
 
 /// Where a shadow ray has met the edge of a triangle. All triangles that share the edge, or the vertex, are met; the
@@ -144,11 +184,10 @@ struct EdgePassed {
     bool front;
 };
 
-struct ShadowQuery {
+struct ShadowRay {
     static constexpr std::size_t most_edges = 8;
 
-    QueryContext context;  // first: Embree hands this address to the filters
-    float max_distance;
+    float max_distance = 0;
     glm::vec3 transmittance{1};
     std::array<EdgePassed, most_edges> edges;
     std::size_t edge_count = 0;
@@ -167,19 +206,47 @@ struct ShadowQuery {
     }
 };
 
+/// Of one ray or a packet.
+struct ShadowQuery {
+    QueryContext context;  // first: Embree hands this address to the filters
+    ShadowRay* rays;       // by RTCRay::id
+};
+
 void filter_shadow(const RTCFilterFunctionNArguments* args) {
-    const Candidate hit(args);
-    auto& query = *reinterpret_cast<ShadowQuery*>(args->context);
-    const auto blocks = [&] {
-        if (hit.mesh.huge && !hit.crosses(query.max_distance)) return false;
+    keep_hits(args, [&](const Candidate& hit) {
+        ShadowRay& ray = reinterpret_cast<ShadowQuery*>(args->context)->rays[hit.ray];
+        if (hit.mesh.huge && !hit.crosses(ray.max_distance)) return false;
         if (!hit.mesh.material().passes_light()) return true;
-        if (hit.on_edge() && query.has_passed(hit)) return false;
-        query.transmittance *=
+        if (hit.on_edge() && ray.has_passed(hit)) return false;
+        ray.transmittance *=
             passed_share(surface_at(*hit.mesh.scene, *hit.mesh.mesh, hit.id.triangle, hit.barycentric));
-        return query.transmittance == glm::vec3(0);
-    };
-    if (!blocks()) args->valid[0] = 0;
+        return ray.transmittance == glm::vec3(0);
+    });
 }
+
+/// One of a packet's rays.
+template <typename Packet>
+void set_ray(Packet& packet, std::size_t i, glm::vec3 origin, glm::vec3 direction, float max_distance) {
+    packet.org_x[i] = origin.x;
+    packet.org_y[i] = origin.y;
+    packet.org_z[i] = origin.z;
+    packet.tnear[i] = ray_start;
+    packet.dir_x[i] = direction.x;
+    packet.dir_y[i] = direction.y;
+    packet.dir_z[i] = direction.z;
+    packet.time[i] = 0;
+    packet.tfar[i] = max_distance;
+    packet.mask[i] = ~0U;
+    packet.id[i] = static_cast<unsigned>(i);
+    packet.flags[i] = 0;
+}
+
+/// Which of a packet's rays there are, as Embree wants to know it.
+struct alignas(4 * packet_size) PacketMask {
+    std::array<int, packet_size> valid{};
+
+    explicit PacketMask(std::size_t count) { std::fill_n(valid.begin(), count, -1); }
+};
 
 struct DeviceDeleter {
     void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
@@ -296,6 +363,12 @@ struct Tracer::Impl {
         return scene->meshes[list[id.geometry]];
     }
 
+    /// What Embree found; the normal as it gives it, in the mesh's own space.
+    [[nodiscard]] Hit hit(SurfaceId id, float distance, glm::vec2 barycentric, glm::vec3 normal) const {
+        if (id.instance != SurfaceId::none) normal = normals[id.instance - scene->placed.size()] * normal;
+        return {id, distance, barycentric, normal};
+    }
+
     EmbreeScene new_scene() const {
         EmbreeScene result(rtcNewScene(device.get()));
         rtcSetSceneFlags(result.get(), RTC_SCENE_FLAG_ROBUST);
@@ -388,12 +461,14 @@ Tracer::Corners Tracer::corners(SurfaceId id) const noexcept {
 }
 
 Hit Tracer::closest_hit(glm::vec3 origin, glm::vec3 direction, float max_distance, const Hit& behind) const noexcept {
+    ClosestRay state;
+    state.max_distance = max_distance;
     ClosestQuery query;
     init(&query.context);
-    query.max_distance = max_distance;
+    query.rays = &state;
     float start = ray_start;
     if (behind.found()) {
-        query.behind = {behind.distance, behind.id};
+        state.behind = {behind.distance, behind.id};
         start = std::nextafter(behind.distance, 0.0F);  // what is opaque and coincides comes next
     }
     RTCRayHit ray;
@@ -402,10 +477,33 @@ Hit Tracer::closest_hit(glm::vec3 origin, glm::vec3 direction, float max_distanc
     ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     intersect(impl_->root.get(), &query.context, &ray);
     if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
-    const SurfaceId id{ray.hit.instID[0], ray.hit.geomID, ray.hit.primID};
-    glm::vec3 normal(ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z);
-    if (id.instance != SurfaceId::none) normal = impl_->normals[id.instance - impl_->scene->placed.size()] * normal;
-    return {id, ray.ray.tfar, {ray.hit.u, ray.hit.v}, normal};
+    return impl_->hit({ray.hit.instID[0], ray.hit.geomID, ray.hit.primID}, ray.ray.tfar, {ray.hit.u, ray.hit.v},
+                      {ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z});
+}
+
+void Tracer::closest_hits(glm::vec3 origin, std::span<const glm::vec3> directions, std::span<Hit> hits) const noexcept {
+    for (std::size_t first = 0; first < directions.size(); first += packet_size) {
+        const std::size_t count = std::min(packet_size, directions.size() - first);
+        std::array<ClosestRay, packet_size> states;
+        ClosestQuery query;
+        init(&query.context);
+        query.rays = states.data();
+        RTCRayHit8 rays;
+        for (std::size_t i = 0; i < count; ++i) {
+            set_ray(rays.ray, i, origin, directions[first + i], std::numeric_limits<float>::infinity());
+            rays.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+            rays.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+        }
+        const PacketMask mask(count);
+        intersect(mask.valid.data(), impl_->root.get(), &query.context, &rays);
+        for (std::size_t i = 0; i < count; ++i) {
+            const auto& hit = rays.hit;
+            hits[first + i] = hit.geomID[i] == RTC_INVALID_GEOMETRY_ID
+                                  ? Hit{}
+                                  : impl_->hit({hit.instID[0][i], hit.geomID[i], hit.primID[i]}, rays.ray.tfar[i],
+                                               {hit.u[i], hit.v[i]}, {hit.Ng_x[i], hit.Ng_y[i], hit.Ng_z[i]});
+        }
+    }
 }
 
 Surface Tracer::surface(const Hit& hit, glm::vec3 direction) const noexcept {
@@ -442,13 +540,36 @@ Surface Tracer::surface(const Hit& hit, glm::vec3 direction) const noexcept {
 }
 
 glm::vec3 Tracer::transmittance(glm::vec3 origin, glm::vec3 direction, float max_distance) const noexcept {
+    ShadowRay state;
+    state.max_distance = max_distance;
     ShadowQuery query;
     init(&query.context);
-    query.max_distance = max_distance;
+    query.rays = &state;
     RTCRay ray{origin.x,    origin.y, origin.z,     ray_start, direction.x, direction.y,
                direction.z, 0,        max_distance, ~0U,       0,           0};
     occluded(impl_->root.get(), &query.context, &ray);
-    return ray.tfar < 0 ? glm::vec3(0) : query.transmittance;
+    return ray.tfar < 0 ? glm::vec3(0) : state.transmittance;
+}
+
+void Tracer::transmittances(glm::vec3 origin, std::span<const Way> ways, std::span<glm::vec3> shares) const noexcept {
+    for (std::size_t first = 0; first < ways.size(); first += packet_size) {
+        const std::size_t count = std::min(packet_size, ways.size() - first);
+        std::array<ShadowRay, packet_size> states;
+        ShadowQuery query;
+        init(&query.context);
+        query.rays = states.data();
+        RTCRay8 rays;
+        for (std::size_t i = 0; i < count; ++i) {
+            const Way& way = ways[first + i];
+            states[i].max_distance = way.max_distance;
+            set_ray(rays, i, origin, way.direction, way.max_distance);
+        }
+        const PacketMask mask(count);
+        occluded(mask.valid.data(), impl_->root.get(), &query.context, &rays);
+        for (std::size_t i = 0; i < count; ++i) {
+            shares[first + i] = rays.tfar[i] < 0 ? glm::vec3(0) : states[i].transmittance;
+        }
+    }
 }
 
 }  // namespace lightgrid

@@ -34,12 +34,14 @@ CacheBias measure_bias(const PathTracer& paths, const SurfaceCache& cache, std::
         std::vector<glm::dvec3>& estimates = task % 2 == 0 ? bias.a : bias.b;
         const auto irradiance = std::span(estimates).subspan(point * normals.size(), normals.size());
         const std::uint64_t key = mix_bits(options.seed, task);
-        const glm::mat3 rotation = random_rotation(mix_bits(key, turning));
+        const std::vector<glm::vec3> directions = turned(even, random_rotation(mix_bits(key, turning)));
+        const std::vector<Hit> hits = paths.closest_hits(points[point], directions, counts[task]);
         std::vector<Met> met;
         for (std::uint32_t i = 0; i < options.samples; ++i) {
-            const glm::vec3 direction = rotation * even[i];
+            const glm::vec3 direction = directions[i];
             met.clear();
-            paths.look_along({points[point], {}}, points[point], direction, 0, cache.sky(), {}, met, counts[task]);
+            paths.look_along({points[point], {}}, points[point], direction, hits[i], 0, cache.sky(), {}, met,
+                             counts[task]);
             for (std::size_t k = 0; k < met.size(); ++k) {
                 if (!met[k].hit.found()) continue;
                 const glm::vec3* known =

@@ -141,13 +141,15 @@ class GatherTracer {
                 std::span<std::uint32_t> landed, std::vector<RayEnd>& ends, std::vector<Missing>& missing,
                 PathCounts& counts) const {
         const glm::vec3 point = from.position;
+        const std::vector<glm::vec3> directions = turned(even, rotation);
+        const std::vector<Hit> hits = paths_.closest_hits(point, directions, counts);
         std::vector<Met> met;
         std::vector<glm::vec3> light(paths_.sources().count);
         for (std::uint32_t i = 0; i < even.size(); ++i) {
-            const glm::vec3 direction = rotation * even[i];
+            const glm::vec3 direction = directions[i];
             met.clear();
             std::fill(light.begin(), light.end(), glm::vec3(0));
-            paths_.look_along(from, point, direction, 1, SkyLight(), light, met, counts);
+            paths_.look_along(from, point, direction, hits[i], 1, SkyLight(), light, met, counts);
             for (const Met& m : met) {
                 const std::uint32_t at =
                     m.hit.found() ? patches_.find(paths_.tracer(), {m.hit, point, direction}, counts.shadow_rays)

@@ -27,8 +27,7 @@ bool is_finite(glm::vec3 v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-void add(LightSample sample, float weight, std::vector<LightSample>& out, PathCounts& counts) {
-    sample.radiance *= weight;
+void add(const LightSample& sample, std::vector<LightSample>& out, PathCounts& counts) {
     if (!is_finite(sample.radiance)) {
         ++counts.dropped;
         return;
@@ -54,9 +53,8 @@ struct PathTracer::Vertex {
     /// throughput.
     [[nodiscard]] float response(glm::vec3 direction) const { return surface == nullptr ? 1.0F : pdf(direction); }
     [[nodiscard]] Receiver receiver() const { return {position, normal, cut}; }
-    [[nodiscard]] glm::vec3 origin(glm::vec3 direction) const {
-        return surface == nullptr ? position : surface->leave(direction);
-    }
+    /// Of all rays that count for something.
+    [[nodiscard]] glm::vec3 origin() const { return surface == nullptr ? position : surface->leave(normal); }
 };
 
 /// What a gather's random numbers are for: each has a stream of its own.
@@ -85,6 +83,12 @@ class PathTracer::Dimensions {
     std::uint32_t index_;
     std::uint32_t pair_ = 0;
     RandomStream tail_;
+};
+
+/// Light as if nothing were in the way, and the way from the vertex's origin that it takes; black where there is none.
+struct PathTracer::Aimed {
+    LightSample light;
+    Tracer::Way way;
 };
 
 PathTracer::PathTracer(const Tracer& tracer, const Environment& environment, LightSources sources)
@@ -137,41 +141,35 @@ PunctualLight punctual_light_at(const Light& light, glm::vec3 point) noexcept {
     return result;
 }
 
-LightSample PathTracer::from_emitters(const Vertex& vertex, Dimensions& dimensions, PathCounts& counts,
-                                      float rays_per_sample) const {
+PathTracer::Aimed PathTracer::at_emitters(const Vertex& vertex, Dimensions& dimensions, float rays_per_sample) const {
     const double pick = dimensions.next_choice();
     const Emitters::Sample emitter = emitters_.sample(vertex.receiver(), pick, dimensions.next2());
     if (emitter.radiance == glm::vec3(0)) return {};
     const glm::vec3 direction = glm::normalize(emitter.position - vertex.position);
     const float response = vertex.response(direction);
     if (!(response > 0)) return {};
-    const glm::vec3 origin = vertex.origin(direction);
-    ++counts.shadow_rays;
-    const glm::vec3 passed = tracer_->transmittance(origin, emitter.position - origin, 1);
-    return {direction, passed * emitter.radiance * (response / (emitter.pdf + rays_per_sample * vertex.pdf(direction))),
-            sources_.material(tracer_->mesh(emitter.id).material)};
+    const glm::vec3 radiance = emitter.radiance * (response / (emitter.pdf + rays_per_sample * vertex.pdf(direction)));
+    return {{direction, radiance, sources_.material(tracer_->mesh(emitter.id).material)},
+            {emitter.position - vertex.origin(), 1}};
 }
 
-LightSample PathTracer::from_sky(const Vertex& vertex, const SkyLight::Sample& sample, PathCounts& counts) const {
+PathTracer::Aimed PathTracer::at_sky(const Vertex& vertex, const SkyLight::Sample& sample) const {
     const float response = vertex.response(sample.direction);
-    if (!(response > 0) || sample.radiance == glm::vec3(0)) return {};
-    ++counts.shadow_rays;
-    const glm::vec3 passed = tracer_->transmittance(vertex.origin(sample.direction), sample.direction, infinity);
-    return {sample.direction, passed * sample.radiance * response, sources_.of_sky};
+    if (!(response > 0)) return {};
+    return {{sample.direction, sample.radiance * response, sources_.of_sky}, {sample.direction, infinity}};
 }
 
-LightSample PathTracer::from_environment(const Vertex& vertex, Dimensions& dimensions, PathCounts& counts) const {
+PathTracer::Aimed PathTracer::at_environment(const Vertex& vertex, Dimensions& dimensions) const {
     const float pick = dimensions.next2().x;
     const Environment::Sample sky = environment_->sample({pick, dimensions.next2()});
     if (!(sky.pdf > 0)) return {};
     const float response = vertex.response(sky.direction);
     if (!(response > 0)) return {};
-    ++counts.shadow_rays;
-    const glm::vec3 passed = tracer_->transmittance(vertex.origin(sky.direction), sky.direction, infinity);
-    return {sky.direction, passed * sky.radiance * (response / (sky.pdf + vertex.pdf(sky.direction))), sources_.of_sky};
+    return {{sky.direction, sky.radiance * (response / (sky.pdf + vertex.pdf(sky.direction))), sources_.of_sky},
+            {sky.direction, infinity}};
 }
 
-LightSample PathTracer::from_lights(const Vertex& vertex, Dimensions& dimensions, PathCounts& counts) const {
+PathTracer::Aimed PathTracer::at_lights(const Vertex& vertex, Dimensions& dimensions) const {
     const std::vector<Light>& lights = tracer_->scene().lights;
     // One light, picked in proportion to what it would bring if nothing were in the way.
     const auto brings = [&](const Light& light) {
@@ -194,11 +192,36 @@ LightSample PathTracer::from_lights(const Vertex& vertex, Dimensions& dimensions
         if (left < 0) break;
     }
     const PunctualLight arriving = punctual_light_at(*picked, vertex.position);
+    return {{arriving.direction, arriving.irradiance * (vertex.response(arriving.direction) * sum / share),
+             sources_.light(static_cast<std::size_t>(picked - lights.data()))},
+            {arriving.direction, arriving.free_distance}};
+}
+
+glm::vec3 PathTracer::arriving(const Vertex& vertex, const Aimed& aimed, PathCounts& counts) const {
+    if (aimed.light.radiance == glm::vec3(0)) return glm::vec3(0);
     ++counts.shadow_rays;
-    const glm::vec3 passed =
-        tracer_->transmittance(vertex.origin(arriving.direction), arriving.direction, arriving.free_distance);
-    return {arriving.direction, passed * arriving.irradiance * (vertex.response(arriving.direction) * sum / share),
-            sources_.light(static_cast<std::size_t>(picked - lights.data()))};
+    return aimed.light.radiance * tracer_->transmittance(vertex.origin(), aimed.way.direction, aimed.way.max_distance);
+}
+
+void PathTracer::aim(const Aimed& sample, float weight, std::vector<Aimed>& aimed) {
+    if (sample.light.radiance == glm::vec3(0)) return;
+    aimed.push_back(sample);
+    aimed.back().light.radiance *= weight;
+}
+
+void PathTracer::let_through(const Vertex& vertex, std::span<const Aimed> aimed, std::vector<LightSample>& out,
+                             PathCounts& counts) const {
+    std::vector<Tracer::Way> ways;
+    ways.reserve(aimed.size());
+    for (const Aimed& a : aimed) ways.push_back(a.way);
+    std::vector<glm::vec3> shares(ways.size());
+    counts.shadow_rays += ways.size();
+    tracer_->transmittances(vertex.origin(), ways, shares);
+    for (std::size_t i = 0; i < aimed.size(); ++i) {
+        LightSample light = aimed[i].light;
+        light.radiance *= shares[i];
+        add(light, out, counts);
+    }
 }
 
 glm::vec3 PathTracer::sky_along(glm::vec3 share, glm::vec3 direction, float pdf) const {
@@ -215,16 +238,22 @@ glm::vec3 PathTracer::emission_of(glm::vec3 share, const Hit& hit, const Surface
     return share * point.alpha * point.emission * (pdf / (pdf + other));
 }
 
-void PathTracer::look_along(const Receiver& from, glm::vec3 origin, glm::vec3 direction, float samples_per_ray,
-                            const SkyLight& sky, std::span<glm::vec3> light, std::vector<Met>& met,
-                            PathCounts& counts) const {
+std::vector<Hit> PathTracer::closest_hits(glm::vec3 origin, std::span<const glm::vec3> directions,
+                                          PathCounts& counts) const {
+    std::vector<Hit> hits(directions.size());
+    counts.rays += hits.size();
+    tracer_->closest_hits(origin, directions, hits);
+    return hits;
+}
+
+void PathTracer::look_along(const Receiver& from, glm::vec3 origin, glm::vec3 direction, const Hit& first,
+                            float samples_per_ray, const SkyLight& sky, std::span<glm::vec3> light,
+                            std::vector<Met>& met, PathCounts& counts) const {
     const bool on_surface = from.normal != glm::vec3(0);
     const float pdf =
         on_surface ? std::max(0.0F, glm::dot(from.normal, direction)) * glm::one_over_pi<float>() : uniform_sphere_pdf;
-    Met now;
+    Met now{first};
     for (;;) {
-        ++counts.rays;
-        now.hit = tracer_->closest_hit(origin, direction, infinity, now.hit);
         met.push_back(now);
         if (!now.hit.found()) {
             if (use_.sky && !light.empty()) light[sources_.of_sky] += now.share * sky.along(direction);
@@ -240,6 +269,8 @@ void PathTracer::look_along(const Receiver& from, glm::vec3 origin, glm::vec3 di
         }
         now.share *= passed_share(point);
         if (largest(now.share) < least_share) return;
+        ++counts.rays;
+        now.hit = tracer_->closest_hit(origin, direction, infinity, now.hit);
     }
 }
 
@@ -248,25 +279,20 @@ void PathTracer::direct_light(const Surface& surface, const Receiver& at, std::u
                               std::span<glm::vec3> light, PathCounts& counts) const {
     const Vertex vertex{at.position, &surface, at.normal, at.cut};
     const float share = 1 / static_cast<float>(count);
-    const auto add_finite = [&](const LightSample& sample) {
-        if (is_finite(sample.radiance)) {
-            light[sample.source] += share * sample.radiance;
-        } else {
-            ++counts.dropped;
-        }
-    };
+    std::vector<Aimed> aimed;
     if (use_.emitters || use_.lights) {
         for (std::uint32_t k = i * count; k < (i + 1) * count; ++k) {
             Dimensions dimensions(key, k);
-            if (use_.emitters) add_finite(from_emitters(vertex, dimensions, counts, rays_per_sample));
-            if (use_.lights) add_finite(from_lights(vertex, dimensions, counts));
+            if (use_.emitters) aim(at_emitters(vertex, dimensions, rays_per_sample), share, aimed);
+            if (use_.lights) aim(at_lights(vertex, dimensions), share, aimed);
         }
     }
     if (use_.sky && sky.has_samples()) {
-        for (const SkyLight::Sample& sample : sky.samples(key + i, count)) {
-            add_finite(from_sky(vertex, sample, counts));
-        }
+        for (const SkyLight::Sample& sample : sky.samples(key + i, count)) aim(at_sky(vertex, sample), share, aimed);
     }
+    std::vector<LightSample> arrived;
+    let_through(vertex, aimed, arrived, counts);
+    for (const LightSample& sample : arrived) light[sample.source] += sample.radiance;
 }
 
 glm::vec3 PathTracer::reflected_radiance(const Hit& hit, glm::vec3 direction, std::uint64_t key, std::uint32_t i,
@@ -278,9 +304,9 @@ glm::vec3 PathTracer::reflected_radiance(const Hit& hit, glm::vec3 direction, st
     Dimensions dimensions(key, i);
     const Vertex vertex{surface.position, &surface, surface.front ? surface.normal : -surface.normal};
     glm::vec3 radiance(0);
-    if (use_.lights) radiance += from_lights(vertex, dimensions, counts).radiance;
-    if (use_.emitters) radiance += from_emitters(vertex, dimensions, counts).radiance;
-    if (use_.environment) radiance += from_environment(vertex, dimensions, counts).radiance;
+    if (use_.lights) radiance += arriving(vertex, at_lights(vertex, dimensions), counts);
+    if (use_.emitters) radiance += arriving(vertex, at_emitters(vertex, dimensions), counts);
+    if (use_.environment) radiance += arriving(vertex, at_environment(vertex, dimensions), counts);
     const glm::vec3 onwards = cosine_direction(vertex.normal, dimensions.next2());
     const float pdf = vertex.pdf(onwards);
     if (pdf > 0) {
@@ -336,9 +362,9 @@ glm::vec3 PathTracer::radiance_along(glm::vec3 origin, glm::vec3 direction, Hit 
         }
 
         const Vertex vertex{surface.position, &surface, surface.front ? surface.normal : -surface.normal};
-        if (use_.lights) radiance += throughput * from_lights(vertex, dimensions, counts).radiance;
-        if (use_.emitters) radiance += throughput * from_emitters(vertex, dimensions, counts).radiance;
-        if (use_.environment) radiance += throughput * from_environment(vertex, dimensions, counts).radiance;
+        if (use_.lights) radiance += throughput * arriving(vertex, at_lights(vertex, dimensions), counts);
+        if (use_.emitters) radiance += throughput * arriving(vertex, at_emitters(vertex, dimensions), counts);
+        if (use_.environment) radiance += throughput * arriving(vertex, at_environment(vertex, dimensions), counts);
 
         direction = cosine_direction(vertex.normal, dimensions.next2());
         origin = surface.leave(direction);
@@ -355,18 +381,18 @@ void PathTracer::gather(glm::vec3 point, std::uint64_t key, std::span<const glm:
     const EmitterCut cut = emitters_.open({point}, static_cast<std::uint32_t>(even.size()));
     const Vertex probe{point, nullptr, {}, &cut};
     const float share = 1 / static_cast<float>(even.size());
-    const glm::mat3 rotation = random_rotation(mix_bits(key, turning));
+    const std::vector<glm::vec3> directions = turned(even, random_rotation(mix_bits(key, turning)));
+    const std::vector<Hit> hits = closest_hits(point, directions, counts);
+    std::vector<Aimed> aimed;
     for (std::uint32_t i = 0; i < even.size(); ++i) {
         Dimensions dimensions(key, i);
-        const glm::vec3 direction = rotation * even[i];
-        if (use_.emitters) add(from_emitters(probe, dimensions, counts), share, out, counts);
-        if (use_.environment) add(from_environment(probe, dimensions, counts), share, out, counts);
-        ++counts.rays;
-        const Hit hit = tracer_->closest_hit(point, direction);
-        add({direction,
-             radiance_along(point, direction, hit, {probe.receiver(), uniform_sphere_pdf}, dimensions, counts, rays)},
-            share / uniform_sphere_pdf, out, counts);
+        if (use_.emitters) aim(at_emitters(probe, dimensions), share, aimed);
+        if (use_.environment) aim(at_environment(probe, dimensions), share, aimed);
+        const glm::vec3 radiance = radiance_along(point, directions[i], hits[i], {probe.receiver(), uniform_sphere_pdf},
+                                                  dimensions, counts, rays);
+        add({directions[i], radiance * (share / uniform_sphere_pdf)}, out, counts);
     }
+    let_through(probe, aimed, out, counts);
 }
 
 void PathTracer::gather_cached(glm::vec3 point, std::uint64_t key, std::span<const glm::vec3> even,
@@ -382,31 +408,26 @@ void PathTracer::gather_cached(glm::vec3 point, std::uint64_t key, std::span<con
 
     // Step by step for all rays, because what is read at random places of memory is then waited for together.
     const float share = 1 / (static_cast<float>(count) * uniform_sphere_pdf);
-    const glm::mat3 rotation = random_rotation(mix_bits(key, turning));
-    std::vector<Hit> hits;
-    hits.reserve(count);
-    counts.rays += count;
-    for (const glm::vec3& direction : even) hits.push_back(tracer_->closest_hit(point, rotation * direction));
+    const std::vector<glm::vec3> directions = turned(even, random_rotation(mix_bits(key, turning)));
+    const std::vector<Hit> hits = closest_hits(point, directions, counts);
     std::vector<const glm::vec3*> known(count, nullptr);
     for (std::uint32_t i = 0; i < count; ++i) {
-        const glm::vec3 direction = rotation * even[i];
         if (!hits[i].found()) {
-            known[i] = &sky.along(direction);
+            known[i] = &sky.along(directions[i]);
         } else if (only_reflects(hits[i])) {
-            known[i] = rays.cache->look_up(*tracer_, hits[i], point, direction, counts);
+            known[i] = rays.cache->look_up(*tracer_, hits[i], point, directions[i], counts);
         }
     }
     out.reserve(out.size() + count);
     for (std::uint32_t i = 0; i < count; ++i) {
-        const glm::vec3 direction = rotation * even[i];
         if (known[i] != nullptr) {
-            out.push_back({direction, share * *known[i]});
-        } else {
-            Dimensions dimensions(key, i);
-            add({direction, radiance_along(point, direction, hits[i], {at, uniform_sphere_pdf, emitter_samples_per_ray},
-                                           dimensions, counts, rays)},
-                share, out, counts);
+            out.push_back({directions[i], share * *known[i]});
+            continue;
         }
+        Dimensions dimensions(key, i);
+        const glm::vec3 radiance = radiance_along(
+            point, directions[i], hits[i], {at, uniform_sphere_pdf, emitter_samples_per_ray}, dimensions, counts, rays);
+        add({directions[i], share * radiance}, out, counts);
     }
 }
 
@@ -415,28 +436,28 @@ void PathTracer::gather_lights(const Receiver& at, std::uint64_t key, std::uint3
                                std::vector<LightSample>& out, PathCounts& counts) const {
     const Vertex probe{at.position, nullptr, {}, at.cut};
     const std::uint64_t lights_key = mix_bits(key, lighting);  // so that these are stratified by themselves
+    std::vector<Aimed> aimed;
     for (std::uint32_t i = 0; i < emitter_samples && use_.emitters; ++i) {
         Dimensions dimensions(lights_key, i);
-        add(from_emitters(probe, dimensions, counts, rays_per_emitter_sample), 1 / static_cast<float>(emitter_samples),
-            out, counts);
+        aim(at_emitters(probe, dimensions, rays_per_emitter_sample), 1 / static_cast<float>(emitter_samples), aimed);
     }
-    if (!use_.sky || !sky.has_samples()) return;
-    for (const SkyLight::Sample& sample : sky.samples(lights_key, sky_samples)) {
-        add(from_sky(probe, sample, counts), 1 / static_cast<float>(sky_samples), out, counts);
+    if (use_.sky && sky.has_samples()) {
+        for (const SkyLight::Sample& sample : sky.samples(lights_key, sky_samples)) {
+            aim(at_sky(probe, sample), 1 / static_cast<float>(sky_samples), aimed);
+        }
     }
+    let_through(probe, aimed, out, counts);
 }
 
 void PathTracer::gather_punctual(glm::vec3 point, std::vector<LightSample>& out, PathCounts& counts) const {
     const std::vector<Light>& lights = tracer_->scene().lights;
+    std::vector<Aimed> aimed;
     for (std::size_t i = 0; i < lights.size(); ++i) {
         if (sources_.light(i) == LightSources::off) continue;
-        const PunctualLight arriving = punctual_light_at(lights[i], point);
-        if (arriving.irradiance == glm::vec3(0)) continue;
-        ++counts.shadow_rays;
-        const glm::vec3 passed = tracer_->transmittance(point, arriving.direction, arriving.free_distance);
-        if (passed != glm::vec3(0))
-            out.push_back({arriving.direction, passed * arriving.irradiance, sources_.light(i)});
+        const PunctualLight light = punctual_light_at(lights[i], point);
+        aim({{light.direction, light.irradiance, sources_.light(i)}, {light.direction, light.free_distance}}, 1, aimed);
     }
+    let_through({point}, aimed, out, counts);
 }
 
 }  // namespace lightgrid

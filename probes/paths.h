@@ -100,14 +100,20 @@ class PathTracer {
     /// Light straight from punctual lights: one shadow ray each, exact. Appended to `out`.
     void gather_punctual(glm::vec3 point, std::vector<LightSample>& out, PathCounts& counts) const;
 
+    /// What rays from one point meet first.
+    [[nodiscard]] std::vector<Hit> closest_hits(glm::vec3 origin, std::span<const glm::vec3> directions,
+                                                PathCounts& counts) const;
+
     /// A ray that starts at a probe (normal 0) or on a surface (cosine-weighted about the normal), past surfaces that
     /// light passes to the first that stops it, or to the sky. The light straight from emitters and sky along it,
     /// weighted against `samples_per_ray` samples of emitters for each such ray, is added to `light`.
     ///
+    /// first  what it meets first
     /// light  by source; empty: nobody asks
     /// met    appended to: all surfaces on the way, that reflect or not, and the sky
-    void look_along(const Receiver& from, glm::vec3 origin, glm::vec3 direction, float samples_per_ray,
-                    const SkyLight& sky, std::span<glm::vec3> light, std::vector<Met>& met, PathCounts& counts) const;
+    void look_along(const Receiver& from, glm::vec3 origin, glm::vec3 direction, const Hit& first,
+                    float samples_per_ray, const SkyLight& sky, std::span<glm::vec3> light, std::vector<Met>& met,
+                    PathCounts& counts) const;
 
     /// The other part of the light that comes straight to a surface's side: the i-th `count` samples of emitters, sky
     /// and punctual lights, for `rays_per_sample` cosine-weighted rays of look_along each. The mean radiance that a
@@ -129,17 +135,23 @@ class PathTracer {
 
   private:
     struct Vertex;
+    struct Aimed;
     class Dimensions;
 
     void gather_cached(glm::vec3 point, std::uint64_t key, std::span<const glm::vec3> even,
                        std::vector<LightSample>& out, PathCounts& counts, const GatherRays& rays) const;
 
-    // rays_per_sample: how many rays are sent from the vertex by its own density for each of these samples.
-    [[nodiscard]] LightSample from_emitters(const Vertex& vertex, Dimensions& dimensions, PathCounts& counts,
-                                            float rays_per_sample = 1) const;
-    [[nodiscard]] LightSample from_environment(const Vertex& vertex, Dimensions& dimensions, PathCounts& counts) const;
-    [[nodiscard]] LightSample from_sky(const Vertex& vertex, const SkyLight::Sample& sample, PathCounts& counts) const;
-    [[nodiscard]] LightSample from_lights(const Vertex& vertex, Dimensions& dimensions, PathCounts& counts) const;
+    // Light of samples as if nothing were in the way. rays_per_sample: how many rays are sent from the vertex by its own
+    // density for each of these samples.
+    [[nodiscard]] Aimed at_emitters(const Vertex& vertex, Dimensions& dimensions, float rays_per_sample = 1) const;
+    [[nodiscard]] Aimed at_environment(const Vertex& vertex, Dimensions& dimensions) const;
+    [[nodiscard]] Aimed at_sky(const Vertex& vertex, const SkyLight::Sample& sample) const;
+    [[nodiscard]] Aimed at_lights(const Vertex& vertex, Dimensions& dimensions) const;
+    // What of it arrives: of one, or of all that were collected, appended to `out`.
+    [[nodiscard]] glm::vec3 arriving(const Vertex& vertex, const Aimed& aimed, PathCounts& counts) const;
+    static void aim(const Aimed& sample, float weight, std::vector<Aimed>& aimed);
+    void let_through(const Vertex& vertex, std::span<const Aimed> aimed, std::vector<LightSample>& out,
+                     PathCounts& counts) const;
     /// Where a path last chose a direction, how densely, and how many samples of emitters were taken there for it.
     struct Scattering {
         Receiver at;

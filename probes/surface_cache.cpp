@@ -160,12 +160,17 @@ class SurfaceFinder {
         std::vector<std::vector<Unknown>> found(points.size());
         std::vector<PathCounts> counts(points.size());
         for_each_index(points.size(), [&](std::size_t i) {
-            std::vector<Met> met;
-            for (std::uint32_t r = 0; r < options_.rays_per_probe; ++r) {
+            std::vector<glm::vec3> directions(options_.rays_per_probe);
+            for (std::uint32_t r = 0; r < directions.size(); ++r) {
                 const auto index = static_cast<std::uint32_t>(i) * options_.rays_per_probe + r;
-                const glm::vec3 direction = sphere_direction(sobol_point(index, mix_bits(options_.seed, finding)));
+                directions[r] = sphere_direction(sobol_point(index, mix_bits(options_.seed, finding)));
+            }
+            const std::vector<Hit> hits = paths_.closest_hits(points[i], directions, counts[i]);
+            std::vector<Met> met;
+            for (std::uint32_t r = 0; r < directions.size(); ++r) {
+                const glm::vec3 direction = directions[r];
                 met.clear();
-                paths_.look_along({points[i], {}}, points[i], direction, 0, sky_, {}, met, counts[i]);
+                paths_.look_along({points[i], {}}, points[i], direction, hits[r], 0, sky_, {}, met, counts[i]);
                 for (const Met& m : met) {
                     if (m.hit.found())
                         found[i].push_back({SurfaceSide(m.hit, points[i], direction), m.hit, direction, 0, 0, {}});
@@ -270,12 +275,15 @@ class SurfaceFinder {
         for (std::size_t s = 0; s < sources_; ++s) light_[index * sources_ + s].sampled = light[s];
         std::fill(light.begin(), light.end(), glm::vec3(0));
         const CarryingRays rays(options_.seed, patch, transport_.rays);
+        std::vector<glm::vec3> directions(transport_.rays);
+        for (std::uint32_t r = 0; r < transport_.rays; ++r) directions[r] = rays.direction(normal, rank, r);
+        const glm::vec3 origin = surface.leave(normal);
+        const std::vector<Hit> hits = paths_.closest_hits(origin, directions, counts);
         std::vector<Met> met;
         for (std::uint32_t r = 0; r < transport_.rays; ++r) {
-            const glm::vec3 direction = rays.direction(normal, rank, r);
-            const glm::vec3 origin = surface.leave(direction);
+            const glm::vec3 direction = directions[r];
             met.clear();
-            paths_.look_along(at, origin, direction, 1 / rays_per_light, sky_, light, met, counts);
+            paths_.look_along(at, origin, direction, hits[r], 1 / rays_per_light, sky_, light, met, counts);
             for (const Met& m : met) {
                 if (!m.hit.found()) {
                     if (m.share == glm::vec3(1)) {

@@ -300,6 +300,57 @@ TEST(Tracer, ARayGoesOnBehindSurfacesThatPassLight) {
     }
 }
 
+TEST(Tracer, RaysOfOnePointTogetherMeetWhatEachMeetsAlone) {
+    Scene scene;
+    RandomStream random(14);
+    Material cut_out = grey(0.5F);
+    cut_out.alpha_mode = AlphaMode::mask;
+    cut_out.base_color_texture.texture = add_half_transparent(scene);
+    Material glass;
+    glass.base_color = {1, 0.5F, 0};
+    glass.transmission = 0.8F;
+    const std::array<int, 4> materials = {add_grey(scene, 0.5F), add_material(scene, cut_out),
+                                          add_material(scene, blend(0.9F, 0.5F)), add_material(scene, glass)};
+    for (int i = 0; i < 80; ++i) {
+        const int mesh =
+            add_quad(scene, materials[i % 4], 3.0F * any_point(random), any_point(random), any_point(random));
+        scene.meshes[mesh].uv_sets = {{{0, 0}, {0, 1}, {1, 1}, {1, 0}}};
+        if (i % 8 > 3) add_instance(scene, mesh, {{0, 1, 0}, {-1, 0, 0}, {0, 0, 1}, any_point(random)});
+    }
+    add_quad(scene, materials[0], {-1e5F, -4, -1e5F}, {0, 0, 2e5F}, {2e5F, 0, 0});  // huge: checked by a filter
+    const Tracer tracer(scene);
+    int hits = 0;
+    int shaded = 0;
+    for (std::size_t count = 0; count < 200; ++count) {
+        const glm::vec3 origin = 3.0F * any_point(random);
+        std::vector<glm::vec3> directions;
+        std::vector<Tracer::Way> ways;
+        for (std::size_t i = 0; i < count; ++i) {
+            directions.push_back(any_direction(random) * (0.1F + random.next()));
+            ways.push_back({any_direction(random), i % 3 == 0 ? infinity : 4 * random.next()});
+        }
+        std::vector<Hit> together(count);
+        std::vector<glm::vec3> shares(count);
+        tracer.closest_hits(origin, directions, together);
+        tracer.transmittances(origin, ways, shares);
+        for (std::size_t i = 0; i < count; ++i) {
+            const Hit alone = tracer.closest_hit(origin, directions[i]);
+            ASSERT_EQ(together[i].id, alone.id);
+            if (alone.found()) {
+                ++hits;
+                ASSERT_NEAR(together[i].distance / alone.distance, 1, 1e-5);
+                ASSERT_LT(glm::distance(together[i].barycentric, alone.barycentric), 1e-4);
+                ASSERT_NEAR(glm::dot(glm::normalize(together[i].normal), glm::normalize(alone.normal)), 1, 1e-6);
+            }
+            const glm::vec3 share = tracer.transmittance(origin, ways[i].direction, ways[i].max_distance);
+            shaded += share != glm::vec3(0) && share != glm::vec3(1) ? 1 : 0;
+            ASSERT_LT(glm::distance(shares[i], share), 1e-6F);
+        }
+    }
+    EXPECT_GT(hits, 10000);
+    EXPECT_GT(shaded, 500);
+}
+
 /// Follows rays that start on one triangle of the scene, both sides, all directions: they must not meet it again.
 void expect_no_self_hits(const Scene& scene, glm::vec3 target, float reach, const std::string& what) {
     const Tracer tracer(scene);
