@@ -11,7 +11,7 @@
 namespace lightgrid {
 namespace {
 
-/// Points that are worth a task of their own, replicate by replicate; fewer are spread over replicates too.
+/// Points that are worth a task each; the replicates of fewer are spread over tasks, too.
 constexpr std::size_t many_points = 1024;
 
 }  // namespace
@@ -57,40 +57,66 @@ void GatherSums::project(std::size_t point, std::span<const LightSample> light, 
     }
 }
 
+EmitterCut GatherSums::cut_at(std::size_t point) const {
+    return paths_->emitters().open({points_[point]}, options_.samples);
+}
+
+void GatherSums::trace(std::size_t point, std::uint32_t replicate, const EmitterCut& cut, std::span<glm::dvec3> values,
+                       PathCounts& counts) const {
+    std::vector<LightSample> light;
+    const std::uint64_t key = mix_bits(mix_bits(mix_bits(options_.seed, 1), point), replicate);
+    paths_->gather({points_[point], {}, &cut}, key, directions_, light, counts, options_.rays);
+    project(point, light, values);
+}
+
+void GatherSums::add(std::size_t point, std::uint32_t replicate, std::span<const glm::dvec3> values) {
+    for (std::size_t i = 0; i < values_per_point_; ++i) {
+        Moments& moments = moments_[point * values_per_point_ + i];
+        if (replicate == 0) moments.first = values[i];
+        const glm::dvec3 deviation = values[i] - moments.first;
+        moments.sum += deviation;
+        moments.squares += deviation * deviation;
+    }
+}
+
 void GatherSums::add_replicates(std::uint32_t count, const std::function<void(std::size_t)>& done) {
-    const std::size_t round = points_.size() >= many_points ? 1 : count;
-    std::vector<glm::dvec3> values(round * moments_.size());
     std::size_t gathered = 0;
     std::mutex mutex;
-    for (std::uint32_t start = 0; start < count; start += static_cast<std::uint32_t>(round)) {
-        const std::size_t now = std::min<std::size_t>(round, count - start);
-        std::fill(values.begin(), values.end(), glm::dvec3(0));
-        for_each_index(now * points_.size(), [&](std::size_t task) {
-            const std::size_t point = task / now;
-            const std::size_t replicate = task % now;
-            PathCounts counts;
-            std::vector<LightSample> light;
-            const std::uint64_t key = mix_bits(mix_bits(mix_bits(options_.seed, 1), point), replicates_ + replicate);
-            paths_->gather(points_[point], key, directions_, light, counts, options_.rays);
-            project(
-                point, light,
-                std::span(values).subspan((replicate * points_.size() + point) * values_per_point_, values_per_point_));
-            const std::lock_guard lock(mutex);
-            counts_ += counts;
-            if (done) done(++gathered);
-        });
-        for (std::size_t replicate = 0; replicate < now; ++replicate) {
-            const glm::dvec3* value = values.data() + replicate * moments_.size();
-            for (std::size_t i = 0; i < moments_.size(); ++i) {
-                Moments& moments = moments_[i];
-                if (replicates_ == 0) moments.first = value[i];
-                const glm::dvec3 deviation = value[i] - moments.first;
-                moments.sum += deviation;
-                moments.squares += deviation * deviation;
+    const auto tell = [&](const PathCounts& counts) {
+        const std::lock_guard lock(mutex);
+        counts_ += counts;
+        if (done) done(++gathered);
+    };
+    if (points_.size() >= many_points) {
+        for_each_index(points_.size(), [&](std::size_t point) {
+            const EmitterCut cut = cut_at(point);
+            std::vector<glm::dvec3> values(values_per_point_);
+            for (std::uint32_t r = replicates_; r < replicates_ + count; ++r) {
+                std::fill(values.begin(), values.end(), glm::dvec3(0));
+                PathCounts counts;
+                trace(point, r, cut, values, counts);
+                add(point, r, values);
+                tell(counts);
             }
-            ++replicates_;
+        });
+    } else {
+        std::vector<EmitterCut> cuts(points_.size());
+        for_each_index(points_.size(), [&](std::size_t point) { cuts[point] = cut_at(point); });
+        std::vector<glm::dvec3> values(count * moments_.size());
+        const auto of = [&](std::size_t task) {
+            return std::span(values).subspan(task * values_per_point_, values_per_point_);
+        };
+        for_each_index(points_.size() * count, [&](std::size_t task) {
+            PathCounts counts;
+            const std::size_t point = task / count;
+            trace(point, replicates_ + static_cast<std::uint32_t>(task % count), cuts[point], of(task), counts);
+            tell(counts);
+        });
+        for (std::size_t task = 0; task < points_.size() * count; ++task) {
+            add(task / count, replicates_ + static_cast<std::uint32_t>(task % count), of(task));
         }
     }
+    replicates_ += count;
 }
 
 Gather GatherSums::result() const {

@@ -73,6 +73,13 @@ class GatherSums {
     };
 
     void project(std::size_t point, std::span<const LightSample> light, std::span<glm::dvec3> values) const;
+    /// As the emitters' tree is opened for a point: the same for all its replicates.
+    [[nodiscard]] EmitterCut cut_at(std::size_t point) const;
+    /// Light of one replicate.
+    void trace(std::size_t point, std::uint32_t replicate, const EmitterCut& cut, std::span<glm::dvec3> values,
+               PathCounts& counts) const;
+    /// A replicate's values of a point into its moments, in the order of the replicates.
+    void add(std::size_t point, std::uint32_t replicate, std::span<const glm::dvec3> values);
 
     const PathTracer* paths_;
     std::vector<glm::vec3> points_;

@@ -58,7 +58,7 @@ glm::dvec3 place_in(const Box& box, RandomStream& random) {
 double look_at(glm::vec3 point, const PathTracer& paths, std::uint64_t key, PathCounts& counts) {
     static const std::vector<glm::vec3> directions = even_directions(look_paths);
     std::vector<LightSample> light;
-    paths.gather(point, key, directions, light, counts, {.most_bounces = look_bounces});
+    paths.gather({point}, key, directions, light, counts, {.most_bounces = look_bounces});
     paths.gather_punctual(point, light, counts);
     double sum = 0;
     for (const LightSample& sample : light) sum += sample.radiance.x + sample.radiance.y + sample.radiance.z;

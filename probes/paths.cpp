@@ -375,47 +375,56 @@ glm::vec3 PathTracer::radiance_along(glm::vec3 origin, glm::vec3 direction, Hit 
     }
 }
 
-void PathTracer::gather(glm::vec3 point, std::uint64_t key, std::span<const glm::vec3> even,
+void PathTracer::gather(const Receiver& at, std::uint64_t key, std::span<const glm::vec3> even,
                         std::vector<LightSample>& out, PathCounts& counts, const GatherRays& rays) const {
-    if (rays.cache != nullptr) return gather_cached(point, key, even, out, counts, rays);
-    const EmitterCut cut = emitters_.open({point}, static_cast<std::uint32_t>(even.size()));
-    const Vertex probe{point, nullptr, {}, &cut};
+    if (at.cut == nullptr) {
+        const EmitterCut cut = emitters_.open(at, static_cast<std::uint32_t>(even.size()));
+        return gather({at.position, {}, &cut}, key, even, out, counts, rays);
+    }
+    if (rays.cache != nullptr) {
+        gather_cached(at, key, even, out, counts, rays);
+    } else {
+        gather_paths(at, key, even, out, counts, rays);
+    }
+}
+
+void PathTracer::gather_paths(const Receiver& at, std::uint64_t key, std::span<const glm::vec3> even,
+                              std::vector<LightSample>& out, PathCounts& counts, const GatherRays& rays) const {
+    const Vertex probe{at.position, nullptr, {}, at.cut};
     const float share = 1 / static_cast<float>(even.size());
     const std::vector<glm::vec3> directions = turned(even, random_rotation(mix_bits(key, turning)));
-    const std::vector<Hit> hits = closest_hits(point, directions, counts);
+    const std::vector<Hit> hits = closest_hits(at.position, directions, counts);
     std::vector<Aimed> aimed;
     for (std::uint32_t i = 0; i < even.size(); ++i) {
         Dimensions dimensions(key, i);
         if (use_.emitters) aim(at_emitters(probe, dimensions), share, aimed);
         if (use_.environment) aim(at_environment(probe, dimensions), share, aimed);
-        const glm::vec3 radiance = radiance_along(point, directions[i], hits[i], {probe.receiver(), uniform_sphere_pdf},
-                                                  dimensions, counts, rays);
+        const glm::vec3 radiance =
+            radiance_along(at.position, directions[i], hits[i], {at, uniform_sphere_pdf}, dimensions, counts, rays);
         add({directions[i], radiance * (share / uniform_sphere_pdf)}, out, counts);
     }
     let_through(probe, aimed, out, counts);
 }
 
-void PathTracer::gather_cached(glm::vec3 point, std::uint64_t key, std::span<const glm::vec3> even,
+void PathTracer::gather_cached(const Receiver& at, std::uint64_t key, std::span<const glm::vec3> even,
                                std::vector<LightSample>& out, PathCounts& counts, const GatherRays& rays) const {
     const SkyLight& sky = rays.cache->sky();
     const auto count = static_cast<std::uint32_t>(even.size());
     const std::uint32_t emitter_samples = std::max(1U, count / rays.rays_per_emitter_sample);
     const float emitter_samples_per_ray = static_cast<float>(emitter_samples) / static_cast<float>(count);
-    const EmitterCut cut = emitters_.open({point}, emitter_samples);
-    const Receiver at{point, {}, &cut};
     gather_lights(at, key, emitter_samples, 1 / emitter_samples_per_ray, sky,
                   std::max(1U, count / rays.rays_per_sky_sample), out, counts);
 
     // Step by step for all rays, because what is read at random places of memory is then waited for together.
     const float share = 1 / (static_cast<float>(count) * uniform_sphere_pdf);
     const std::vector<glm::vec3> directions = turned(even, random_rotation(mix_bits(key, turning)));
-    const std::vector<Hit> hits = closest_hits(point, directions, counts);
+    const std::vector<Hit> hits = closest_hits(at.position, directions, counts);
     std::vector<const glm::vec3*> known(count, nullptr);
     for (std::uint32_t i = 0; i < count; ++i) {
         if (!hits[i].found()) {
             known[i] = &sky.along(directions[i]);
         } else if (only_reflects(hits[i])) {
-            known[i] = rays.cache->look_up(*tracer_, hits[i], point, directions[i], counts);
+            known[i] = rays.cache->look_up(*tracer_, hits[i], at.position, directions[i], counts);
         }
     }
     out.reserve(out.size() + count);
@@ -425,8 +434,9 @@ void PathTracer::gather_cached(glm::vec3 point, std::uint64_t key, std::span<con
             continue;
         }
         Dimensions dimensions(key, i);
-        const glm::vec3 radiance = radiance_along(
-            point, directions[i], hits[i], {at, uniform_sphere_pdf, emitter_samples_per_ray}, dimensions, counts, rays);
+        const glm::vec3 radiance =
+            radiance_along(at.position, directions[i], hits[i], {at, uniform_sphere_pdf, emitter_samples_per_ray},
+                           dimensions, counts, rays);
         add({directions[i], share * radiance}, out, counts);
     }
 }

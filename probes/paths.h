@@ -79,13 +79,14 @@ class PathTracer {
     [[nodiscard]] const Emitters& emitters() const noexcept { return emitters_; }
     [[nodiscard]] const LightSources& sources() const noexcept { return sources_; }
 
-    /// All light that arrives at `point` (relative to Scene::origin) but that which comes straight from punctual
-    /// lights, by gather rays along `even`, each continued as a path, and by samples of emitters and environment.
+    /// All light that arrives at a point (relative to Scene::origin) but that which comes straight from punctual lights,
+    /// by gather rays along `even`, each continued as a path, and by samples of emitters and environment.
     ///
+    /// at    the point, from all sides; where no cut was made for it, one is made
     /// key   picks the random numbers: one per (seed, probe, replicate)
     /// even  at least one direction, spread evenly over the sphere; the whole set is turned at random
     /// out   appended to
-    void gather(glm::vec3 point, std::uint64_t key, std::span<const glm::vec3> even, std::vector<LightSample>& out,
+    void gather(const Receiver& at, std::uint64_t key, std::span<const glm::vec3> even, std::vector<LightSample>& out,
                 PathCounts& counts, const GatherRays& rays = {}) const;
 
     /// The part of the light at a probe that samples aimed at emitters and sky bring where gather rays read a cache.
@@ -138,7 +139,9 @@ class PathTracer {
     struct Aimed;
     class Dimensions;
 
-    void gather_cached(glm::vec3 point, std::uint64_t key, std::span<const glm::vec3> even,
+    void gather_paths(const Receiver& at, std::uint64_t key, std::span<const glm::vec3> even,
+                      std::vector<LightSample>& out, PathCounts& counts, const GatherRays& rays) const;
+    void gather_cached(const Receiver& at, std::uint64_t key, std::span<const glm::vec3> even,
                        std::vector<LightSample>& out, PathCounts& counts, const GatherRays& rays) const;
 
     // Light of samples as if nothing were in the way. rays_per_sample: how many rays are sent from the vertex by its own

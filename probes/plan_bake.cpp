@@ -56,7 +56,7 @@ constexpr double reference_share = 0.25;
 double rough_light(const PathTracer& paths, glm::vec3 point, std::uint64_t key, PathCounts& counts) {
     std::vector<LightSample> light;
     static const std::vector<glm::vec3> directions = even_directions(pilot_samples);
-    paths.gather(point, key, directions, light, counts, {.most_bounces = pilot_bounces});
+    paths.gather({point}, key, directions, light, counts, {.most_bounces = pilot_bounces});
     paths.gather_punctual(point, light, counts);
     double sum = 0;
     for (const LightSample& sample : light) sum += luminance(sample.radiance);
@@ -103,7 +103,7 @@ double rays_per_path(const PathTracer& paths, const std::vector<glm::vec3>& poin
     std::vector<PathCounts> counted(some.size());
     for_each_index(some.size(), [&](std::size_t i) {
         std::vector<LightSample> light;
-        paths.gather(some[i], mix_bits(mix_bits(seed, 8), i), directions, light, counted[i]);
+        paths.gather({some[i]}, mix_bits(mix_bits(seed, 8), i), directions, light, counted[i]);
     });
     PathCounts sum;
     for (const PathCounts& c : counted) sum += c;

@@ -594,7 +594,7 @@ TEST(ClosedForms, ALimitOnBouncesCutsTheSeries) {
     for (const std::uint32_t bounces : {0U, 1U, 2U}) {
         std::vector<LightSample> light;
         PathCounts counts;
-        level.paths.gather({0, 0, 0}, 1, even, light, counts, {.most_bounces = bounces});
+        level.paths.gather({{0, 0, 0}}, 1, even, light, counts, {.most_bounces = bounces});
         double mean = 0;
         for (const LightSample& sample : light) mean += sample.radiance.x / (4 * pi);
         EXPECT_NEAR(mean, 2 - std::pow(0.5, bounces), 0.03) << bounces;
