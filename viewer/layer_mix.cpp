@@ -51,19 +51,11 @@ std::vector<glm::vec3> weights_of(const LayerMix& mix, const Volume& volume, con
 }
 
 Volume mixed_volume(const Volume& volume, std::span<const glm::vec3> weights) {
-    Volume mixed;
-    mixed.bands = volume.bands;
-    mixed.grids = volume.grids;
-    mixed.bricks = volume.bricks;
-    mixed.list = volume.list;
-    mixed.states = volume.states;
-    mixed.coefficients = mix_layers(volume, weights);
-    mixed.errors = volume.errors;
-    mixed.axis_errors = volume.axis_errors;
-    mixed.offsets = volume.offsets;
-    mixed.half = volume.half;
-    mixed.settings = volume.settings;
-    return mixed;
+    // By name, so that layers are not copied; a new field does not compile until it is here.
+    const auto& [bands, grids, bricks, list, states, coefficients, errors, axis_errors, offsets, layers, half,
+                 settings] = volume;
+    return {bands,  grids,       bricks,  list, states, mix_layers(volume, weights),
+            errors, axis_errors, offsets, {},   half,   settings};
 }
 
 }  // namespace lightgrid

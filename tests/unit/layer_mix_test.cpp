@@ -24,6 +24,9 @@ Volume layered() {
         volume.layers.push_back(layer);
     }
     volume.errors.assign(volume.errors.size(), glm::vec3(0.25F));
+    volume.axis_errors.assign(volume.axis_errors.size(), glm::vec3(0.5F));
+    volume.offsets.assign(volume.slots(), glm::vec3(0.125F));
+    volume.settings = {{"level", "room.glb"}};
     return volume;
 }
 
@@ -55,7 +58,10 @@ TEST(LayerMix, MixesByWeightAndColour) {
     check_volume(mixed);
     EXPECT_TRUE(mixed.layers.empty());
     EXPECT_EQ(mixed.errors, volume.errors);
+    EXPECT_EQ(mixed.axis_errors, volume.axis_errors);
+    EXPECT_EQ(mixed.offsets, volume.offsets);
     EXPECT_EQ(mixed.states, volume.states);
+    EXPECT_EQ(mixed.settings, volume.settings);
     for (std::size_t i = 0; i < 9; ++i) {
         EXPECT_EQ(mixed.sh(1)[i], static_cast<float>(i) * glm::vec3(2, 1, 0) + 3.0F * sky[i]) << i;
     }
