@@ -115,74 +115,86 @@ class Reader {
     std::uint64_t hash_ = 0;
 };
 
+// Structures are taken apart below into all of their fields: one that is added does not compile until it is named here.
+
 /// Everything but the fingerprint, in the file's order: one function, so that reading and writing cannot differ.
 /// Kept: KeptTransport, const or not, as the archive asks.
 template <class Archive, class Kept>
 void visit(Archive& archive, Kept& kept) {
-    auto& light = kept.light;
-    archive.value(light.sources.count);
-    archive.list(light.sources.of_material);
-    archive.list(light.sources.of_light);
-    archive.value(light.sources.of_sky);
-    archive.list(light.emission);
-    archive.lists(light.lights, [&](auto& l) {
-        archive.value(l.kind);
-        archive.value(l.intensity);
-        archive.value(l.position);
-        archive.value(l.direction);
-        archive.value(l.range);
-        archive.value(l.cos_inner);
-        archive.value(l.cos_outer);
+    const auto of_lists = [&](auto& lists) { archive.lists(lists, [&](auto& list) { archive.list(list); }); };
+    auto& [fingerprint, light, options, transport, places, direct, made, gathers, volume, samples, placement,
+           why_spacing, why_samples] = kept;
+    auto& [sources, emission, lights, sky_shape, sky_scale] = light;
+    auto& [count, of_material, of_light, of_sky] = sources;
+    archive.value(count);
+    archive.list(of_material);
+    archive.list(of_light);
+    archive.value(of_sky);
+    archive.list(emission);
+    archive.lists(lights, [&](auto& l) {
+        auto& [name, kind, intensity, position, direction, range, cos_inner, cos_outer, group] = l;
+        archive.value(kind);
+        archive.value(intensity);
+        archive.value(position);
+        archive.value(direction);
+        archive.value(range);
+        archive.value(cos_inner);
+        archive.value(cos_outer);
     });
-    archive.value(light.sky_shape);
-    archive.value(light.sky_scale);
+    archive.value(sky_shape);
+    archive.value(sky_scale);
 
-    auto& options = kept.options;
-    archive.value(options.width);
-    archive.value(options.rays_per_probe);
-    archive.value(options.rays_per_sample);
-    archive.value(options.light_samples);
-    archive.value(options.accuracy);
-    archive.value(options.seed);
-    auto& transport = kept.transport;
-    archive.value(transport.rays);
-    archive.list(transport.first_sample);
-    archive.list(transport.weights);
-    archive.list(transport.landed);
-    archive.list(transport.passed);
-    archive.list(kept.places);
-    archive.lists(kept.direct, [&](auto& source) { archive.list(source); });
-    auto& made = kept.made;
-    archive.value(made.width);
-    archive.value(made.samples);
-    archive.value(made.patches);
-    archive.value(made.cut_cubes);
-    archive.value(made.generations);
-    archive.lists(kept.gathers, [&](auto& gather) {
-        archive.list(gather.slots);
-        archive.value(gather.rays);
-        archive.value(gather.seed);
-        archive.list(gather.landed);
-        archive.list(gather.ends);
-        archive.list(gather.first_end);
-        archive.lists(gather.aimed, [&](auto& source) { archive.list(source); });
+    auto& [width, rays_per_probe, rays_per_sample, light_samples, accuracy, seed] = options;
+    archive.value(width);
+    archive.value(rays_per_probe);
+    archive.value(rays_per_sample);
+    archive.value(light_samples);
+    archive.value(accuracy);
+    archive.value(seed);
+    auto& [rays, first_sample, weights, landed, passed] = transport;
+    archive.value(rays);
+    archive.list(first_sample);
+    archive.list(weights);
+    archive.list(landed);
+    archive.list(passed);
+    archive.list(places);
+    of_lists(direct);
+    // What solving brings comes anew.
+    auto& [made_width, made_samples, patches, cut_cubes, generations, sweeps, residual, counts] = made;
+    archive.value(made_width);
+    archive.value(made_samples);
+    archive.value(patches);
+    archive.value(cut_cubes);
+    archive.value(generations);
+    archive.lists(gathers, [&](auto& gather) {
+        auto& [slots, rays_each, gather_seed, landed_at, ends, first_end, aimed] = gather;
+        archive.list(slots);
+        archive.value(rays_each);
+        archive.value(gather_seed);
+        archive.list(landed_at);
+        archive.list(ends);
+        archive.list(first_end);
+        of_lists(aimed);
     });
 
-    auto& volume = kept.volume;
-    archive.value(volume.bands);
-    archive.lists(volume.grids, [&](auto& grid) {
-        archive.value(grid.origin);
-        archive.value(grid.spacing);
-        archive.value(grid.counts);
+    // Places and states: its light comes anew.
+    auto& [bands, grids, bricks, list, states, coefficients, errors, axis_errors, offsets, layers, half, settings] =
+        volume;
+    archive.value(bands);
+    archive.lists(grids, [&](auto& grid) {
+        auto& [origin, spacing, counts_along] = grid;
+        archive.value(origin);
+        archive.value(spacing);
+        archive.value(counts_along);
     });
-    archive.list(volume.bricks);
-    archive.list(volume.list);
-    archive.list(volume.states);
-    archive.list(volume.offsets);
-    archive.value(kept.samples);
-    archive.value(kept.placement);
-    archive.text(kept.why_spacing);
-    archive.text(kept.why_samples);
+    archive.list(bricks);
+    archive.list(list);
+    archive.list(states);
+    archive.list(offsets);
+    archive.value(samples);
+    archive.value(placement);
+    archive.text(why_spacing);
+    archive.text(why_samples);
 }
 
 /// Joins the bytes of values to a hash.
@@ -197,16 +209,61 @@ class Hasher {
     void add(glm::vec3 v) { add_all(std::array{v.x, v.y, v.z}); }
     void add(glm::dvec3 v) { add_all(std::array{v.x, v.y, v.z}); }
     void add(const Box& box) {
-        add(box.min);
-        add(box.max);
+        const auto& [min, max] = box;
+        add(min);
+        add(max);
     }
     void add(const TextureUse& use) {
-        add(use.texture);
-        add(use.uv_set);
+        const auto& [texture, uv_set, transform] = use;
+        add(texture);
+        add(uv_set);
         for (int column = 0; column < 3; ++column) {
-            add(use.transform[column].x);
-            add(use.transform[column].y);
+            add(transform[column].x);
+            add(transform[column].y);
         }
+    }
+    void add(const Texture& texture) {
+        const auto& [image, wrap_u, wrap_v, nearest] = texture;
+        const auto& [width, height, pixels] = image;
+        add(width);
+        add(height);
+        add_all(pixels);
+        add(wrap_u);
+        add(wrap_v);
+        add(nearest);
+    }
+    /// But for what shines: the colour of its emission, and the group that this is in.
+    void add(const Material& material) {
+        const auto& [name, base_color, base_color_texture, alpha_mode, alpha, alpha_cutoff, transmission,
+                     transmission_texture, emission, emission_texture, double_sided, group] = material;
+        add(base_color);
+        add(base_color_texture);
+        add(alpha_mode);
+        add(alpha);
+        add(alpha_cutoff);
+        add(transmission);
+        add(transmission_texture);
+        add(emission_texture);
+        add(double_sided);
+    }
+    void add(const Mesh& mesh) {
+        const auto& [name, positions, triangles, uv_sets, colors, material] = mesh;
+        add(material);
+        add_all(positions);
+        add_all(triangles);
+        add_all(colors);
+        add(uv_sets.size());
+        for (const std::vector<glm::vec2>& uv : uv_sets) add_all(uv);
+    }
+    void add(const Model& model) {
+        const auto& [meshes] = model;
+        each(meshes);
+    }
+    void add(const Instance& instance) {
+        const auto& [model, to_level, mirrored] = instance;
+        add(model);
+        for (int column = 0; column < 4; ++column) add(to_level[column]);
+        add(mirrored);
     }
     template <class T>
     void add(const std::optional<T>& v) {
@@ -275,54 +332,33 @@ bool is_sound(const KeptTransport& kept) {
 std::uint64_t transport_fingerprint(const Scene& scene, const BakeOptions& options, const std::string& version) {
     Hasher hash;
     hash.add(version);
-    hash.add(scene.origin);
-    for (const Mesh& mesh : scene.meshes) {
-        hash.add(mesh.material);
-        hash.add_all(mesh.positions);
-        hash.add_all(mesh.triangles);
-        hash.add_all(mesh.colors);
-        hash.add(mesh.uv_sets.size());
-        for (const std::vector<glm::vec2>& uv : mesh.uv_sets) hash.add_all(uv);
-    }
-    hash.each(scene.placed);
-    for (const Model& model : scene.models) hash.each(model.meshes);
-    for (const Instance& instance : scene.instances) {
-        hash.add(instance.model);
-        for (int column = 0; column < 4; ++column) hash.add(instance.to_level[column]);
-        hash.add(instance.mirrored);
-    }
-    for (const Material& material : scene.materials) {
-        hash.add(material.base_color);
-        hash.add(material.base_color_texture);
-        hash.add(material.alpha_mode);
-        hash.add(material.alpha);
-        hash.add(material.alpha_cutoff);
-        hash.add(material.transmission);
-        hash.add(material.transmission_texture);
-        hash.add(material.emission_texture);
-        hash.add(material.double_sided);
-    }
-    for (const Texture& texture : scene.textures) {
-        hash.add(texture.image.width);
-        hash.add(texture.image.height);
-        hash.add_all(texture.image.pixels);
-        hash.add(texture.wrap_u);
-        hash.add(texture.wrap_v);
-        hash.add(texture.nearest);
-    }
-    hash.each(scene.volume_markers);
-    hash.each(scene.probe_markers);
+    const auto& [name, origin, bounds, meshes, placed, models, instances, materials, textures, lights, groups,
+                 volume_markers, probe_markers, notices, left_out] = scene;
+    hash.add(origin);
+    hash.each(meshes);
+    hash.each(placed);
+    hash.each(models);
+    hash.each(instances);
+    hash.each(materials);
+    hash.each(textures);
+    hash.each(volume_markers);
+    hash.each(probe_markers);
 
-    hash.add(options.placement.spacing);
-    hash.each(options.placement.boxes);
-    hash.add(options.placement.max_probes);
-    hash.add(options.probes.has_value());
-    if (options.probes) hash.each(*options.probes);
-    hash.add(options.bands);
-    hash.add(options.target.samples);
-    hash.add(options.target.error);
-    hash.add(options.method);
-    hash.add(options.seed);
+    // Layers and time budgets do not go with it; what is measured, and the sky's name, change nothing that is kept.
+    const auto& [placement, probes, bands, target, clock, method, seed, measure_error, compare_look_ups, keep_transport,
+                 layers, environment] = options;
+    const auto& [spacing, boxes, max_probes] = placement;
+    hash.add(spacing);
+    hash.each(boxes);
+    hash.add(max_probes);
+    hash.add(probes.has_value());
+    if (probes) hash.each(*probes);
+    hash.add(bands);
+    const auto& [samples, error, seconds] = target;
+    hash.add(samples);
+    hash.add(error);
+    hash.add(method);
+    hash.add(seed);
     return hash.hash();
 }
 
