@@ -205,6 +205,15 @@ void Glb::place_light(const Light& light, const Placement& placement) {
     add_node(std::move(node));
 }
 
+void Glb::group(std::size_t count, const std::string& name) {
+    auto& roots = gltf_["scenes"][0]["nodes"];
+    const auto first = roots.end() - static_cast<std::ptrdiff_t>(count);
+    Json node{{"name", name}, {"children", Json(first, roots.end())}};
+    roots.erase(first, roots.end());
+    node["extras"]["lightgrid"]["group"] = name;
+    add_node(std::move(node));
+}
+
 void Glb::mark_volume(glm::vec3 center, glm::vec3 size) {
     Json node = node_of("probes", {center, {1, 0, 0, 0}, size});
     node["extras"] = {{"lightgrid", "volume"}};

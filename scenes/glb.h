@@ -81,6 +81,8 @@ class Glb {
     /// One node that shows `mesh` many times (EXT_mesh_gpu_instancing).
     void place_instances(int mesh, const std::string& name, std::span<const Placement> placements);
     void place_light(const Light& light, const Placement& placement);
+    /// Puts the last `count` nodes below one that is a group of lights for level-bake.
+    void group(std::size_t count, const std::string& name);
     /// A mark for level-bake: put probes into the box of this size around `center` and nowhere else.
     void mark_volume(glm::vec3 center, glm::vec3 size);
 

@@ -10,6 +10,8 @@ Glb cornell();
 Glb thin_wall();
 Glb door_ajar();
 Glb courtyard();
+/// Its group of lamps shines, or is dark.
+Glb inn(bool lamps);
 Glb default_level();
 
 // Closed forms.

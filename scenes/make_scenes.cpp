@@ -19,6 +19,8 @@ int main(int argc, char** argv) {
         thin_wall().write(folder / "thin_wall.glb");
         door_ajar().write(folder / "door_ajar.glb");
         courtyard().write(folder / "courtyard.glb");
+        inn(true).write(folder / "inn.glb");
+        inn(false).write(folder / "inn_without_lamps.glb");
         default_level().write(folder / "default.glb");
         furnace(0.5F).write(folder / "furnace_50.glb");
         furnace(0.9F).write(folder / "furnace_90.glb");

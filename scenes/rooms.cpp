@@ -97,6 +97,58 @@ Glb door_ajar() {
     return glb;
 }
 
+Glb inn(bool lamps) {
+    Glb glb;
+    const int plaster = glb.add_material({.name = "plaster", .color = {0.7F, 0.65F, 0.55F}});
+    const int oak = glb.add_material({.name = "oak", .color = {0.35F, 0.22F, 0.12F}});
+    const int green = glb.add_material({.name = "green", .color = {0.25F, 0.45F, 0.3F}});
+    const int dull = glb.add_material({.name = "dull", .color = glm::vec3(0.7F)});
+    const int lamp = glb.add_material({.name = "lamp", .color = glm::vec3(0.7F), .emission = {1000, 800, 500}});
+    const int red = glb.add_material({.name = "red sign", .color = glm::vec3(0.2F), .emission = {450, 30, 45}});
+    const int blue = glb.add_material({.name = "blue sign", .color = glm::vec3(0.2F), .emission = {20, 75, 300}});
+
+    // A taproom with a window, and a back room behind an open door.
+    Blocks house({plaster, plaster, plaster});
+    house.fill({-5.2F, -0.2F, -2.7F}, {4.2F, 3, 2.7F});
+    house.carve({-5, 0, -2.5F}, {-0.1F, 2.8F, 2.5F}, {oak, plaster, plaster});
+    house.carve({0.1F, 0, -2.5F}, {4, 2.8F, 2.5F}, {oak, green, plaster});
+    house.carve({-0.1F, 0, -0.5F}, {0.1F, 2.1F, 0.5F}, {oak, plaster, plaster});
+    house.carve({-5.2F, 0.9F, -1.2F}, {-5, 2.2F, 1.2F}, {plaster, plaster, plaster});
+    Shape shape;
+    house.add_to(shape);
+    glb.place(glb.add_mesh(shape, "house"), "house");
+    Shape counter;
+    add_box(counter, oak, {-3.5F, 0, 1.3F}, {-1, 1.1F, 1.8F});
+    glb.place(glb.add_mesh(counter, "counter"), "counter");
+
+    // Two lamps in a group; one of the same material in the back room is in none.
+    Shape of_group;
+    add_ceiling_lamp(of_group, lamps ? lamp : dull, dull, {0, 0, 0}, {0.3F, 0.3F});
+    const int mesh = glb.add_mesh(of_group, "lamp of the taproom");
+    glb.place(mesh, "lamp by the window", {.translation = {-3.6F, 2.8F, 0}});
+    glb.place(mesh, "lamp by the door", {.translation = {-1.5F, 2.8F, 0}});
+    glb.group(2, "lamps");
+    Shape lone;
+    add_ceiling_lamp(lone, lamp, dull, {2.5F, 2.8F, -1}, {0.3F, 0.3F});
+    glb.place(glb.add_mesh(lone, "lamp of the back room"), "lamp of the back room");
+
+    // Boards that shine on all sides, one in each room, and a spot on a third that does not.
+    Shape signs;
+    add_box(signs, red, {-3.5F, 1.6F, -2.45F}, {-2, 2, -2.4F});
+    add_box(signs, blue, {3.9F, 1.4F, 0.6F}, {3.95F, 1.9F, 1.6F});
+    add_box(signs, dull, {-1.2F, 1.5F, -2.45F}, {-0.4F, 2.1F, -2.4F});
+    glb.place(glb.add_mesh(signs, "signs"), "signs");
+    glb.place_light({.name = "spot",
+                     .type = "spot",
+                     .intensity = 120,
+                     .color = {0.6F, 1, 0.7F},
+                     .inner_cone = glm::radians(15.0F),
+                     .outer_cone = glm::radians(30.0F)},
+                    {.translation = {-0.8F, 1.8F, -1.2F}});
+    glb.group(2, "signs");
+    return glb;
+}
+
 Glb courtyard() {
     Glb glb;
     const int paving = glb.add_material({.name = "paving", .color = {0.42F, 0.38F, 0.33F}});

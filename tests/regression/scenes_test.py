@@ -53,9 +53,9 @@ class Programs:
             sys.exit(f"{' '.join(command)}\nexit status {result.returncode}\n{result.stderr}")
         return result.stdout
 
-    def bake(self, volume, *arguments):
+    def bake(self, volume, *arguments, level=None):
         report = volume.with_suffix(".json")
-        self.run("level-bake", self.level, "-o", volume, "--report-json", report, "--quiet", *self.options, *arguments)
+        self.run("level-bake", level or self.level, "-o", volume, "--report-json", report, "--quiet", *self.options, *arguments)
         return json.loads(report.read_text())
 
     def table(self, *arguments):
@@ -185,6 +185,57 @@ def check_dark_room(check, programs, budget, volume, report, folder):
     check.that(low <= reported[1] and reported[0] <= high, "the reported error does not account for what is found")
 
 
+def difference(rows, others):
+    """Of irradiance, relative RMS."""
+    squares = [((row[c] - other[c]) ** 2, other[c] ** 2) for row, other in zip(rows, others, strict=True) for c in "rgb"]
+    return math.sqrt(sum(square for square, _ in squares) / sum(light for _, light in squares))
+
+
+def check_layers(check, programs, budget, grid, folder):
+    """Layers add up to all light, and without one of them they are the light of a level that never had its group: to the
+    rounding of a file, and as near as two bakes of different seeds are."""
+    off = budget["off"]
+    dark_level = programs.level.with_stem(f"{programs.level.stem}_without_{off}")
+    effort = ["--spacing", grid["spacing"], "--samples", budget["samples"]]
+    layered = folder / "layered.probes.exr"
+    report = programs.bake(layered, *effort, "--seed", 1, "--layers", "groups")
+    names = [layer["name"] for layer in report["layers"]]
+    check.that(off in names and "other" in names and len(names) > 2, f"layers are {', '.join(names)}")
+    rays, size = rays_of(report), layered.stat().st_size
+    print(f"layers {', '.join(names)}: {rays} rays, budget {budget['rays']}; {size} bytes, budget {budget['bytes']}")
+    check.that(0 < rays <= budget["rays"], f"{rays} rays, budget {budget['rays']}")
+    check.that(size <= budget["bytes"], f"{size} bytes, budget {budget['bytes']}")
+
+    points = folder / "probes.csv"
+    write_points(points, [[row[axis] for axis in "xyz"] for row in programs.table("probes", layered) if row["valid"]])
+
+    def light(volume, *arguments):
+        return programs.table("query", volume, "--points", points, *arguments)
+
+    def mixed(weight_of_off):
+        weights = ",".join(f"{name}={weight_of_off if name == off else 1}" for name in names)
+        return light(layered, "--layers", weights)
+
+    def two_bakes(level):
+        """The light of one, and how far another is off it."""
+        volumes = [folder / f"{level.stem}_{seed}.probes.exr" for seed in (2, 3)]
+        for seed, volume in zip((2, 3), volumes):
+            programs.bake(volume, *effort, "--seed", seed, level=level)
+        first, second = map(light, volumes)
+        return first, difference(second, first)
+
+    rounding = difference(mixed(1), light(layered))
+    check.that(rounding <= 0.001, f"the sum of all layers is {rounding:.2%} off the combined light")  # half: 0.05 %
+    print(f"the sum of all layers is {rounding:.3%} off the combined light")
+    for weight, level in ((1, programs.level), (0, dark_level)):
+        fresh, usual = two_bakes(level)
+        found, other = (difference(mixed(w), fresh) for w in (weight, 1 - weight))
+        result = (f"{off}={weight}: {found:.2%} off a bake of {level.name} without layers, two of which are {usual:.2%} off "
+                  f"each other; {off}={1 - weight}: {other:.2%}")
+        print(result)
+        check.that(found <= 1.5 * usual < other, result)
+
+
 def main():
     arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     arguments.add_argument("--programs", type=pathlib.Path, required=True, help="folder of level-bake and lightgrid")
@@ -204,6 +255,8 @@ def main():
         check_probes(check, programs, budget["probes"], expected, rule, folder)
         if "grid" in budget:
             check_grid(check, programs, budget["grid"], rule, folder)
+        if "layers" in budget:
+            check_layers(check, programs, budget["layers"], budget["grid"], folder)
     print(f"{chosen.level}: {check.compared} comparisons, {check.failures} off; expected from: {expected['source']}")
     return 1 if check.failures or not check.compared else 0
 
