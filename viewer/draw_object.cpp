@@ -1,15 +1,11 @@
 #include "viewer/draw_object.h"
 
 #include "core/sh.h"
-#include "viewer/transfer.h"
 
 #include <algorithm>
-#include <bit>
 #include <cstddef>
-#include <cstdint>
 #include <numbers>
 #include <string>
-#include <utility>
 
 namespace lightgrid {
 namespace {
@@ -24,11 +20,6 @@ struct Vertex {
 
 enum Unit : int { base_color_unit, emission_unit, volume_unit };
 
-/// What one waits for.
-constexpr std::size_t most_rays = 16'000'000;
-constexpr std::size_t least_samples = 16;
-constexpr std::size_t most_samples = 128;
-
 void enable_attribute(const Gl& gl, GLuint location, GLint size, std::size_t stride, std::size_t offset) {
     gl.EnableVertexAttribArray(location);
     gl.VertexAttribPointer(location, size, GL_FLOAT, GL_FALSE, static_cast<GLsizei>(stride),
@@ -37,15 +28,13 @@ void enable_attribute(const Gl& gl, GLuint location, GLint size, std::size_t str
 
 }  // namespace
 
-ObjectDrawing::ObjectDrawing(const Gl& gl, const ShaderSources& shaders, ObjectMesh of)
+ObjectDrawing::ObjectDrawing(const Gl& gl, const ShaderSources& shaders, const ObjectMesh& mesh)
     : gl_(gl),
-      mesh_(std::move(of)),
-      textures_(gl, mesh_->name),
+      textures_(gl, mesh.name),
       programs_(gl, shaders, "object.vert", "object.frag"),
       vertex_array_(make_vertex_array(gl)),
       vertices_(make_buffer(gl)),
       indices_(make_buffer(gl)) {
-    const ObjectMesh& mesh = *mesh_;
     for (const ObjectDraw& draw : mesh.draws) {
         const Material& material = mesh.materials[static_cast<std::size_t>(draw.material)];
         parts_.push_back({draw, material, textures_.use(mesh.textures, material.base_color_texture, Encoding::srgb),
@@ -71,17 +60,11 @@ ObjectDrawing::ObjectDrawing(const Gl& gl, const ShaderSources& shaders, ObjectM
     check_gl(gl, "uploading the object");
 }
 
-void ObjectDrawing::prepare_transfer() {
-    const std::size_t vertices = std::max<std::size_t>(mesh_->positions.size(), 1);
-    const std::size_t samples = std::clamp(most_rays / vertices, least_samples, most_samples);
-    const std::vector<float> transfer =
-        self_shadowed_transfer(*mesh_, {.samples = static_cast<std::uint32_t>(std::bit_floor(samples))});
-    mesh_.reset();
+void ObjectDrawing::set_transfer(std::span<const float> transfer) {
     transfer_ = make_buffer(gl_);
     gl_.BindVertexArray(vertex_array_.name());
     gl_.BindBuffer(GL_ARRAY_BUFFER, transfer_.name());
-    gl_.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(transfer.size() * sizeof(float)), transfer.data(),
-                   GL_STATIC_DRAW);
+    gl_.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(transfer.size_bytes()), transfer.data(), GL_STATIC_DRAW);
     for (std::size_t third = 0; third < 3; ++third) {
         enable_attribute(gl_, static_cast<GLuint>(5 + third), 3, 9 * sizeof(float), 3 * third * sizeof(float));
     }
@@ -92,8 +75,8 @@ void ObjectDrawing::draw(const Eye& eye, const ObjectPlace& place, const ObjectL
     std::vector<std::string> defines;
     if (light.pixel) defines.emplace_back("PIXEL_LIGHT");
     if (light.pixel && light.pixel->filter == Filter::nearest) defines.emplace_back("NEAREST");
-    if (light.self_shadowing) defines.emplace_back("SELF_SHADOWING");
-    if (light.self_shadowing && !transfer_) prepare_transfer();
+    const bool self_shadowing = light.self_shadowing && transfer_;
+    if (self_shadowing) defines.emplace_back("SELF_SHADOWING");
     const Program& program = programs_.with(defines);
     gl_.UseProgram(program.name());
     const Uniforms uniforms(gl_, program);
@@ -101,7 +84,7 @@ void ObjectDrawing::draw(const Eye& eye, const ObjectPlace& place, const ObjectL
     uniforms.set("rotation", place.rotation);
     uniforms.set("size", place.size);
     uniforms.set("center", glm::vec3(place.position - eye.origin));
-    if (light.self_shadowing) {
+    if (self_shadowing) {
         Sh9 turned{};
         std::copy_n(light.radiance.begin(), turned.size(), turned.begin());
         ShRotation(3, glm::dmat3(glm::transpose(place.rotation))).apply(turned);

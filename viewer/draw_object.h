@@ -11,6 +11,7 @@
 #include <glm/glm.hpp>
 
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace lightgrid {
@@ -26,16 +27,18 @@ struct ObjectPlace {
 struct ObjectLighting {
     Sh36 radiance{};  // at its centre, deringed where wanted: of the object as a whole; self-shadowing of three bands
     std::optional<PixelLight> pixel{};  // in its place
-    bool self_shadowing = false;        // by transfer.h
+    bool self_shadowing = false;        // where its transfer is known
     float gain = 1;
 };
 
 /// An object with the colours of its materials. MASK cuts; BLEND and transmission are drawn as if opaque.
 class ObjectDrawing {
   public:
-    ObjectDrawing(const Gl& gl, const ShaderSources& shaders, ObjectMesh mesh);
+    ObjectDrawing(const Gl& gl, const ShaderSources& shaders, const ObjectMesh& mesh);
 
-    /// The first time with self-shadowing, it traces the object's transfer: seconds, for some 100,000 vertices.
+    /// transfer  self_shadowed_transfer of the mesh, of three bands
+    void set_transfer(std::span<const float> transfer);
+
     void draw(const Eye& eye, const ObjectPlace& place, const ObjectLighting& light);
 
   private:
@@ -46,17 +49,14 @@ class ObjectDrawing {
         GLuint emission = 0;
     };
 
-    void prepare_transfer();
-
     const Gl& gl_;
-    std::optional<ObjectMesh> mesh_;  // until its transfer is known
     MaterialTextures textures_;
     std::vector<Part> parts_;
     ShaderVariants programs_;
     VertexArray vertex_array_;
     Buffer vertices_;
     Buffer indices_;
-    Buffer transfer_;
+    Buffer transfer_;  // none: not known yet
 };
 
 }  // namespace lightgrid

@@ -14,6 +14,7 @@
 #include "viewer/interactive.h"
 #include "viewer/outlines.h"
 #include "viewer/session.h"
+#include "viewer/transfer.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -263,6 +264,7 @@ void render_level(const Call& call, const fs::path& folder, const PathTracer& pa
     renderer.set_volume(volume);
     renderer.set_environment(paths.environment());
     renderer.set_object(object);
+    renderer.set_object_transfer(self_shadowed_transfer(object, shown_transfer(object)));
 
     DefaultFlight default_flight = make_default_flight(tracer, *volume);
     Session session = first_session(call);
@@ -292,6 +294,7 @@ void render_environment(const Call& call, const fs::path& folder, const Environm
     renderer.set_volume(
         volume_of(sample_environment(environment, session.environment->samples, session.environment->sampling)));
     renderer.set_object(object);
+    renderer.set_object_transfer(self_shadowed_transfer(object, shown_transfer(object)));
     const Sh36 reference = reference_environment(environment);
     render_frames(call, folder, renderer, std::move(session), [&](glm::dvec3) { return reference; });
 }

@@ -1,6 +1,7 @@
 #include "viewer/interactive.h"
 
 #include "core/error.h"
+#include "viewer/background_object.h"
 #include "viewer/overlay.h"
 #include "viewer/session.h"
 #include "viewer/sphere_pair.h"
@@ -38,6 +39,13 @@ std::string extension_of(const fs::path& file) {
     return extension;
 }
 
+/// 1 m large.
+ObjectMesh load_fitted(const fs::path& file) {
+    ObjectMesh object = load_object(file);
+    fit(object, 1);
+    return object;
+}
+
 class Interactive {
   public:
     explicit Interactive(Show show)
@@ -54,7 +62,11 @@ class Interactive {
             session_.pose = evaluate(*session_.flight, session_.flight->start_s()).pose;
             session_.touched = true;
         }
-        show_object(own_object_ ? *own_object_ : make_sphere());
+        if (own_object_) {
+            show_own_object();
+        } else {
+            show_object([] { return make_sphere(); });
+        }
         const Tell tell = [this](const std::string& text) { this->tell(text); };
         if (LevelShow* level = std::get_if<LevelShow>(&show.what)) {
             level_.emplace(std::move(*level), renderer_, session_, tell);
@@ -71,6 +83,7 @@ class Interactive {
             const Clock::time_point now = Clock::now();
             const double seconds = std::chrono::duration<double>(now - before).count();
             before = now;
+            update_object();
             if (level_) level_->update();
             if (environment_) environment_->update();
             const glm::ivec2 size = window_.size();
@@ -140,14 +153,14 @@ class Interactive {
                 photograph_ = true;
                 break;
             case Action::sphere:
-                show_object(make_sphere());
+                show_object([] { return make_sphere(); });
                 break;
             case Action::bunny:
                 show_bunny();
                 break;
             case Action::own_object:
                 if (own_object_) {
-                    show_object(*own_object_);
+                    show_own_object();
                 } else {
                     tell("no object of your own: start with --object, or drop a .glb, .gltf or .obj on the window");
                 }
@@ -167,24 +180,42 @@ class Interactive {
         }
     }
 
-    void show_object(const ObjectMesh& object) {
-        renderer_.set_object(object);
+    /// As soon as it is loaded; until then, the old one.
+    ///
+    /// dropped  the file that it is taken from, to be the own object from then on; empty: none
+    void show_object(BackgroundObject::Load load, fs::path dropped = {}) {
+        loading_.ask(std::move(load));
+        dropped_ = std::move(dropped);
         session_.settings.show_object = true;
+    }
+    void show_own_object() {
+        show_object([object = *own_object_] { return object; });
+    }
+
+    /// Brings the renderer what has been loaded.
+    void update_object() {
+        try {
+            std::optional<ObjectNews> news = loading_.take();
+            if (!news) return;
+            if (news->mesh) {
+                renderer_.set_object(*news->mesh);
+                if (!dropped_.empty()) {
+                    own_object_ = std::move(news->mesh);
+                    tell(fmt::format("{} is the object now (3)", dropped_.filename().string()));
+                    dropped_.clear();
+                }
+            }
+            if (news->transfer) renderer_.set_object_transfer(*news->transfer);
+        } catch (const Error& error) {
+            tell(error.what());
+        }
     }
 
     /// An object or an environment, by its name's end.
     void take_file(const fs::path& file) {
         const std::string extension = extension_of(file);
         if (extension == ".glb" || extension == ".gltf" || extension == ".obj") {
-            try {
-                ObjectMesh object = load_object(file);
-                fit(object, 1);
-                show_object(object);
-                own_object_ = std::move(object);
-                tell(fmt::format("{} is the object now (3)", file.filename().string()));
-            } catch (const Error& error) {
-                tell(error.what());
-            }
+            show_object([file] { return load_fitted(file); }, file);
         } else if (environment_) {
             environment_->load(file);
         } else if (extension == ".hdr" || extension == ".exr") {
@@ -201,13 +232,7 @@ class Interactive {
             tell("the bunny is not installed: it comes with Debian's glmark2-data");
             return;
         }
-        try {
-            ObjectMesh bunny = load_object(*path);
-            fit(bunny, 1);
-            show_object(bunny);
-        } catch (const Error& error) {
-            tell(error.what());
-        }
+        show_object([file = *path] { return load_fitted(file); });
     }
 
     /// A full disk ends no show.
@@ -255,7 +280,9 @@ class Interactive {
     Session session_;
     std::optional<LevelStage> level_;  // one of the two
     std::optional<EnvironmentStage> environment_;
-    bool photograph_ = false;  // the next picture, which shows all that was asked for before
+    fs::path dropped_;  // that the object being loaded is from
+    BackgroundObject loading_;
+    bool photograph_ = false;  // the next picture, which shows all that was set before
     double frame_ms_ = 0;
     double since_title_s_ = 0;
     int frames_ = 0;

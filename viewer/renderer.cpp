@@ -60,6 +60,10 @@ void Renderer::set_object(const ObjectMesh& mesh) {
     object_.emplace(gl_, shaders_, mesh);
 }
 
+void Renderer::set_object_transfer(std::span<const float> transfer) {
+    object_->set_transfer(transfer);
+}
+
 Renderer::Stored& Renderer::stored(const Settings& settings) {
     if (!settings.half || as_baked_.volume == nullptr || as_baked_.volume->volume.half) return as_baked_;
     if (as_half_.volume == nullptr) {

@@ -49,6 +49,8 @@ class Renderer {
     void set_volume(std::shared_ptr<const LitVolume> volume);
     void set_environment(const Environment& environment);
     void set_object(const ObjectMesh& mesh);
+    /// The object shadows itself from now on: self_shadowed_transfer of its mesh, of three bands.
+    void set_object_transfer(std::span<const float> transfer);
 
     /// Draws and develops a picture.
     ///

@@ -9,11 +9,16 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cassert>
 #include <cmath>
 
 namespace lightgrid {
 namespace {
+
+constexpr std::size_t most_shown_rays = 16'000'000;
+constexpr std::size_t least_shown_samples = 16;
+constexpr std::size_t most_shown_samples = 128;
 
 /// How far from a vertex its rays start, as a share of the edges around it: above its surface, and as far into it, so
 /// that a surface that meets it there is met. In multiples of the object's size at least, for rounding's sake.
@@ -97,6 +102,12 @@ std::vector<float> unshadowed_transfer(std::span<const glm::vec3> normals, int b
     return transfer;
 }
 
+TransferOptions shown_transfer(const ObjectMesh& object) {
+    const std::size_t vertices = std::max<std::size_t>(object.positions.size(), 1);
+    const std::size_t samples = std::clamp(most_shown_rays / vertices, least_shown_samples, most_shown_samples);
+    return {.samples = static_cast<std::uint32_t>(std::bit_floor(samples))};
+}
+
 std::vector<float> self_shadowed_transfer(const ObjectMesh& object, const TransferOptions& options) {
     const auto size = static_cast<std::size_t>(sh_size(options.bands));
     const Scene scene = scene_from_object(object);
@@ -106,6 +117,7 @@ std::vector<float> self_shadowed_transfer(const ObjectMesh& object, const Transf
     for_each_index(object.positions.size(), [&](std::size_t v) {
         std::vector<float> basis(size);
         std::vector<double> hidden(size, 0);
+        if (options.step) options.step();
         rays.trace(v, options.samples, [&](glm::vec3 direction, const Hit&) {
             sh_basis(options.bands, direction, std::span(basis));
             for (std::size_t i = 0; i < size; ++i) hidden[i] += static_cast<double>(basis[i]);
@@ -120,6 +132,7 @@ std::vector<float> self_shadowed_transfer(const ObjectMesh& object, const Transf
     std::vector<float> transfer = direct;
     for_each_index(object.positions.size(), [&](std::size_t v) {
         std::vector<double> reflected(size, 0);
+        if (options.step) options.step();
         rays.trace(v, options.samples, [&](glm::vec3 direction, const Hit& hit) {
             if (!tracer.surface(hit, direction).front) return;  // light behind a surface is not known
             const ObjectDraw& draw = object.draws[hit.id.geometry];

@@ -5,6 +5,7 @@
 #include <glm/glm.hpp>
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -23,9 +24,13 @@ namespace lightgrid {
 
 struct TransferOptions {
     int bands = 3;
-    std::uint32_t samples = 128;  // rays per vertex
-    bool bounce = true;           // light that the object reflects onto itself, once, in grey; as many rays again
+    std::uint32_t samples = 128;      // rays per vertex
+    bool bounce = true;               // light that the object reflects onto itself, once, in grey; as many rays again
+    std::function<void()> step = {};  // called for each vertex, from any thread: what it throws ends the work
 };
+
+/// What one waits for: fewer samples for objects of more than 125,000 vertices.
+[[nodiscard]] TransferOptions shown_transfer(const ObjectMesh& object);
 
 /// bands^2 numbers for each vertex, with the shadows that the object casts on itself. What hides a vertex is subtracted
 /// from the unshadowed values, so that what nothing hides has just these. Deterministic; in parallel.

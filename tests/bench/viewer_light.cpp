@@ -14,6 +14,7 @@
 #include "viewer/headless.h"
 #include "viewer/outlines.h"
 #include "viewer/renderer.h"
+#include "viewer/transfer.h"
 
 #include <fmt/format.h>
 
@@ -83,7 +84,9 @@ void run(const std::string& level, int rounds) {
     renderer.set_level(scene, volume->spacing, find_outlines(tracer, volume->volume));
     renderer.set_volume(volume);
     renderer.set_environment(sky);
-    renderer.set_object(make_sphere());
+    const ObjectMesh sphere = make_sphere();
+    renderer.set_object(sphere);
+    renderer.set_object_transfer(self_shadowed_transfer(sphere));
     const DefaultFlight flight = make_default_flight(tracer, *volume);
     const Lens lens = lens_for(glm::length(scene.bounds.size()), flight.object_size);
 

@@ -298,6 +298,30 @@ TEST_F(InAWindow, IsFlownResizedPhotographedAndClosed) {
     EXPECT_NE(read_whole_file(folder() / "cornell_path_0001.json").find("yaw_deg"), std::string::npos);
 }
 
+TEST_F(InAWindow, TheBunnyTakesThePlaceOfTheSphereWhileThePictureGoesOn) {
+    if (shell("test -e /usr/share/glmark2/models/bunny.obj").status != 0) GTEST_SKIP() << "the bunny is not installed";
+    bake(cornell, "cornell.probes.exr");
+    write("start.json", R"({"keys": [{"time_s": 0, "eye": [2.7, 2, 5], "look_at": [2.7, 2, 0]}]})");
+    // Self-shadowing is off, so that it is not that which changes.
+    const Result result = act(cornell + " cornell.probes.exr --size 320x180 --path start.json", R"(
+        xdotool key k key F12
+        wait_for cornell_0001.exr
+        xdotool key F12
+        wait_for cornell_0002.exr
+        xdotool key 2
+        for i in $(seq 3 99); do
+            xdotool key F12
+            picture=$(printf 'cornell_%04d.exr' $i)
+            wait_for $picture
+            cmp -s cornell_0002.exr $picture || break
+        done
+        cp $picture bunny.exr
+        xdotool key Escape)");
+    EXPECT_EQ(result.status, 0) << result.err;
+    EXPECT_EQ(read_whole_file(folder() / "cornell_0001.exr"), read_whole_file(folder() / "cornell_0002.exr"));
+    EXPECT_NE(read_whole_file(folder() / "bunny.exr"), read_whole_file(folder() / "cornell_0002.exr"));
+}
+
 TEST_F(InAWindow, ABrokenShaderIsRefusedByFileAndLine) {
     bake(cornell, "cornell.probes.exr");
     fs::create_directory(folder() / "shaders");

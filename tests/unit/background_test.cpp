@@ -5,7 +5,9 @@
 #include "tests/scene_builder.h"
 #include "tests/traced_level.h"
 #include "viewer/background_bake.h"
+#include "viewer/background_object.h"
 #include "viewer/reference_probe.h"
+#include "viewer/transfer.h"
 #include "viewer/volume_watch.h"
 
 #include <gtest/gtest.h>
@@ -120,6 +122,58 @@ TEST(Bake, EndsByWhatItsProgressThrows) {
         };
         EXPECT_THROW(static_cast<void>(run_bake(room.paths, plan, options, progress)), Enough) << last_stage;
     }
+}
+
+TEST(BackgroundObject, ComesAsItIsAndThenWithItsShadowsUnlessAnotherIsWanted) {
+    const ObjectMesh large = make_sphere(192);  // half a second of tracing or so
+    const ObjectMesh small = make_sphere(8);
+    BackgroundObject object;
+    EXPECT_FALSE(object.take()) << "nothing was asked";
+    const auto expect_all_of = [&](const ObjectMesh& mesh) {
+        bool has_come = false;
+        std::optional<std::vector<float>> transfer;
+        while (!transfer) {
+            std::optional<ObjectNews> news = wait_for([&] { return object.take(); });
+            ASSERT_TRUE(news);
+            if (news->mesh) {
+                EXPECT_FALSE(has_come) << "once";
+                EXPECT_EQ(news->mesh->positions, mesh.positions);
+                has_come = true;
+            }
+            transfer = std::move(news->transfer);
+        }
+        EXPECT_TRUE(has_come);
+        EXPECT_EQ(*transfer, self_shadowed_transfer(mesh, shown_transfer(mesh)));
+        EXPECT_FALSE(object.take());
+    };
+    auto start = Clock::now();
+    object.ask([&] { return large; });
+    expect_all_of(large);
+    const auto whole = Clock::now() - start;
+
+    object.ask([&] { return large; });
+    ASSERT_TRUE(wait_for([&] { return object.take(); }));
+    start = Clock::now();
+    object.ask([]() -> ObjectMesh { throw Error("nobody asks for this any more"); });
+    object.ask([&] { return small; });
+    expect_all_of(small);
+    EXPECT_LT(Clock::now() - start, whole / 4) << "the whole was traced twice, once to compare";
+}
+
+TEST(BackgroundObject, ThrowsWhatLoadingThrew) {
+    BackgroundObject object;
+    object.ask([] { return load_object("no such file.glb"); });
+    const auto fails = [&] {
+        try {
+            return object.take().has_value();
+        } catch (const Error&) {
+            return true;
+        }
+    };
+    EXPECT_TRUE(wait_for(fails));
+    EXPECT_FALSE(object.take()) << "once";
+    object.ask([] { return make_sphere(8); });
+    EXPECT_TRUE(wait_for([&] { return object.take(); })) << "and goes on";
 }
 
 TEST(ReferenceProbe, ImprovesItsAnswerToTheLatestQuestion) {

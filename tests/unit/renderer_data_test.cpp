@@ -12,6 +12,7 @@
 #include "viewer/object_shadow.h"
 #include "viewer/probes_shown.h"
 #include "viewer/renderer.h"
+#include "viewer/transfer.h"
 
 #include <gtest/gtest.h>
 
@@ -40,6 +41,10 @@ class Lit : public testing::Test {
         lit_ = std::make_shared<const LitVolume>(std::move(volume));
         renderer_.set_level(scene_, 1, {false});
         renderer_.set_volume(lit_);
+    }
+    void set_shadowed_object(const ObjectMesh& object) {
+        renderer_.set_object(object);
+        renderer_.set_object_transfer(self_shadowed_transfer(object));
     }
     RadianceImage draw() {
         const Pane pane{{glm::ivec2(0), size}, settings_};
@@ -134,7 +139,7 @@ TEST_F(Lit, AnObjectLitPerPixelShowsWhatTheSamplerSays) {
 }
 
 TEST_F(Lit, SelfShadowingLeavesAloneWhatHidesNothing) {
-    renderer_.set_object(make_sphere());
+    set_shadowed_object(make_sphere());
     set_volume(even_volume(glm::normalize(glm::vec3(1, 1, 2)), 5, 2));
     frame_.object = ObjectPlace{.position = {0, 0, -1}, .rotation = glm::mat3(0, 1, 0, 0, 0, 1, 1, 0, 0)};
     for (const ObjectLight light : {ObjectLight::object, ObjectLight::pixel}) {
@@ -162,9 +167,13 @@ TEST_F(Lit, SelfShadowingDarkensAHollow) {
     std::erase_if(box.triangles, [&](const glm::uvec3& t) {
         return box.positions[t.x].z > 0.5F && box.positions[t.y].z > 0.5F && box.positions[t.z].z > 0.5F;
     });
-    renderer_.set_object(object_from_scene(well));
+    const ObjectMesh object = object_from_scene(well);
+    renderer_.set_object(object);
     set_volume(even_volume({0, 0, 1}, 0, 1));
     frame_.object = ObjectPlace{.position = {0, 0, -1.5}, .size = 1};
+    ASSERT_TRUE(settings_.self_shadowing);
+    EXPECT_NEAR(draw().at(32, 16).g, 0.8F, 0.01F) << "unshadowed while its transfer is not known";
+    set_shadowed_object(object);
     for (const ObjectLight light : {ObjectLight::object, ObjectLight::pixel}) {
         settings_.object_light = light;
         settings_.self_shadowing = false;
@@ -314,7 +323,7 @@ TEST_F(Lit, ProbesShowTheirOwnLightWithinARimOfTheirState) {
 }
 
 TEST_F(Lit, AllSettingsAreDrawnWithoutAComplaint) {
-    renderer_.set_object(make_sphere(8));
+    set_shadowed_object(make_sphere(8));
     Material cut;
     cut.alpha_mode = AlphaMode::mask;
     add_quad(scene_, add_material(scene_, cut), {-1, -1, -1.9F}, {1, 0, 0}, {0, 1, 0});
