@@ -102,7 +102,8 @@ struct BakeResult {
     std::string verdict;               // one sentence about it
     ErrorPart noise;                   // over all probes: always known
     std::uint32_t replicates = 0;
-    std::vector<CurvePoint> curve;
+    std::vector<CurvePoint> curve;  // as replicates come; one point where transport is kept or layers are solved for:
+                                    // all replicates of a probe are traced at once, and lit in the end
     std::vector<LookUpCost> look_ups;  // where asked for and the error was measured
     std::vector<LeftOut> left_out;
     std::vector<Stage> stages;
