@@ -107,6 +107,21 @@ bool is_inside(glm::vec3 point, Suspicion suspicion, const LightEvidence& light)
     return suspicion == Suspicion::strong ? share < lit_share : !(share > 0);
 }
 
+/// The same for the places where one probe may go: once it has asked for light so often, what is suspect is no place.
+class PlacesOfOneProbe {
+  public:
+    explicit PlacesOfOneProbe(const LightEvidence& light) : light_(&light) {}
+
+    [[nodiscard]] bool is_inside(glm::vec3 place, Suspicion suspicion) {
+        if (suspicion != Suspicion::none && ++looks_for_light_ > most_looks_for_light) return true;
+        return lightgrid::is_inside(place, suspicion, *light_);
+    }
+
+  private:
+    const LightEvidence* light_;
+    int looks_for_light_ = 0;
+};
+
 /// A surface within about `clearance`: seven lines through the point, so that no plane slips between them.
 bool touches(const Tracer& tracer, glm::vec3 point, float clearance) {
     static constexpr std::array<glm::vec3, 7> lines = {{{1, 0, 0},
@@ -168,12 +183,11 @@ std::optional<glm::vec3> freeing_offset(const Tracer& tracer, const Stuck& probe
         return glm::distance(a, b) < 0.1F * probe.clearance;  // seen on the same plane
     });
     candidates.erase(same, candidates.end());
-    int looks_for_light = 0;
+    PlacesOfOneProbe places(light);
     const auto is_free_at = [&](glm::vec3 place) {
         const Suspicion suspicion = suspect(look_around(tracer, place), light.has_sky);
         if (suspicion == Suspicion::strong && probe.inside) return false;
-        if (suspicion != Suspicion::none && ++looks_for_light > most_looks_for_light) return false;
-        return !is_inside(place, suspicion, light);
+        return !places.is_inside(place, suspicion);
     };
     const auto found = std::find_if(candidates.begin(), candidates.end(), [&](glm::vec3 offset) {
         const glm::vec3 start = probe.point + on_surface * offset;
@@ -236,12 +250,17 @@ std::optional<glm::vec3> offset_into_view(const Tracer& tracer, const Stuck& pro
         most = std::max(most, place.seen);
     }
     if (most < gain_worth_a_wall * seen || most == 0) return {};
+    PlacesOfOneProbe looked_at(light);
+    const auto is_free_at = [&](glm::vec3 place) {
+        return !touches(tracer, place, probe.clearance) &&
+               !looked_at.is_inside(place, suspect(look_around(tracer, place), light.has_sky));
+    };
     for (const Place& place : places) {
         if (place.seen < enough_seen * most) continue;
         for (int step = 1; step <= steps_to_place; ++step) {
             const glm::vec3 offset = place.offset * (static_cast<float>(step) / steps_to_place);
             const glm::vec3 there = probe.point + offset;
-            if (seen_from(there) >= enough_seen * most && is_free(tracer, there, probe.clearance, light)) return offset;
+            if (seen_from(there) >= enough_seen * most && is_free_at(there)) return offset;
         }
     }
     return {};
