@@ -15,8 +15,9 @@ namespace {
 constexpr std::uint32_t least_replicates = 4;
 /// Each has a quarter of the area for a patch, twice the rays that find them and twice the samples of lights.
 constexpr int most_finer_caches = 2;
-/// Comparing look-ups, in measurements of the error: four for each band, and the time that they take.
-constexpr double measures_per_band = 6;
+/// Comparing look-ups, in measurements of the total error: four for each band, and the time that each takes is about
+/// that of another.
+constexpr double measures_per_band = 10;
 
 /// Of irradiance, over all directions of all gathered probes.
 ErrorPart noise_at_probes(const Volume& volume, std::span<const Batch> batches) {
@@ -241,7 +242,7 @@ class Bake {
             if (done > 1) error = result_.noise.relrmse;
             if (!held_out_.points.empty()) {
                 const Stopwatch measuring;
-                const ErrorPart total = measure_error(result_.volume, held_out_).total;
+                const ErrorPart total = measure_total(result_.volume, held_out_);
                 measuring_seconds_ = measuring.seconds();
                 error = std::max(total.relrmse, 0.0);
                 result_.curve.push_back({seconds, done * plan_.samples / gather_options.replicates, rays_gathered(),
@@ -268,7 +269,7 @@ class Bake {
         if (options_.keep_transport) result_.kept = std::move(kept);
         const double seconds = watch.seconds();
         if (held_out_.points.empty()) return;
-        const ErrorPart total = measure_error(result_.volume, held_out_).total;
+        const ErrorPart total = measure_total(result_.volume, held_out_);
         result_.curve.push_back(
             {seconds, plan_.samples, counts.rays + counts.shadow_rays, total.relrmse, total.interval});
     }

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace lightgrid {
 namespace {
@@ -84,6 +85,21 @@ ErrorPart summarise(const std::vector<PointSums>& sums, double PointSums::*part)
     const double low = whole.square - off[resamplings * 975 / 1000 - 1] * whole.error;
     const double high = whole.square - off[resamplings * 25 / 1000] * whole.error;
     return {signed_root(whole.square), {signed_root(low), signed_root(high)}};
+}
+
+/// Of one point: what the volume has there against the reference, parts aside.
+PointSums total_sums(const HeldOut& reference, std::size_t point, std::span<const glm::vec3> ours_sh) {
+    const std::vector<glm::vec3>& normals = held_out_normals();
+    PointSums sum;
+    sum.weight = reference.weights[point];
+    for (std::size_t k = 0; k < normals.size(); ++k) {
+        const glm::dvec3 a = reference.a.irradiance[point * normals.size() + k].mean;
+        const glm::dvec3 b = reference.b.irradiance[point * normals.size() + k].mean;
+        const glm::dvec3 ours(irradiance_from_sh(ours_sh, normals[k]));
+        sum.reference += component_sum(a * b);
+        sum.total += component_sum((ours - a) * (ours - b));
+    }
+    return sum;
 }
 
 struct Weighted {
@@ -166,6 +182,16 @@ ErrorPart bias_of(const HeldOut& held_out) {
     return summarise(sums, &PointSums::bias);
 }
 
+ErrorPart measure_total(const Volume& volume, const HeldOut& reference, const SampleOptions& look_up) {
+    if (reference.points.empty()) return {};
+    const Sampler sampler(volume);
+    std::vector<PointSums> sums(reference.points.size());
+    for_each_index(sums.size(), [&](std::size_t i) {
+        sums[i] = total_sums(reference, i, sampler.sample(reference.points[i], look_up).sh);
+    });
+    return summarise(sums, &PointSums::total);
+}
+
 ErrorReport measure_error(const Volume& volume, const HeldOut& reference, const Volume* rounded_from,
                           const SampleOptions& look_up) {
     ErrorReport report;
@@ -190,16 +216,13 @@ ErrorReport measure_error(const Volume& volume, const HeldOut& reference, const 
             sh_a.emplace_back(reference.a.sh(i)[k].mean);
             sh_b.emplace_back(reference.b.sh(i)[k].mean);
         }
-        PointSums& sum = sums[i];
-        sum.weight = reference.weights[i];
+        PointSums& sum = sums[i] = total_sums(reference, i, interpolated.sh);
         for (std::size_t k = 0; k < normals.size(); ++k) {
             const glm::dvec3 a = reference.a.irradiance[i * normals.size() + k].mean;
             const glm::dvec3 b = reference.b.irradiance[i * normals.size() + k].mean;
             const glm::dvec3 truncated_a(irradiance_from_sh(sh_a, normals[k]));
             const glm::dvec3 truncated_b(irradiance_from_sh(sh_b, normals[k]));
             const glm::dvec3 ours(irradiance_from_sh(interpolated.sh, normals[k]));
-            sum.reference += component_sum(a * b);
-            sum.total += component_sum((ours - a) * (ours - b));
             const glm::dvec3 rounding = ours - glm::dvec3(irradiance_from_sh(exact.sh, normals[k]));
             sum.bands += component_sum((a - truncated_a) * (b - truncated_b));
             sum.cross +=
@@ -225,14 +248,15 @@ ErrorReport measure_error(const Volume& volume, const HeldOut& reference, const 
         sum.interpolation -= sum.noise + sum.storage + sum.bias;
     });
 
-    report.total = summarise(sums, &PointSums::total);
-    report.without_bands = summarise(sums, &PointSums::without_bands);
-    report.noise = summarise(sums, &PointSums::noise);
-    report.bands = summarise(sums, &PointSums::bands);
-    report.interpolation = summarise(sums, &PointSums::interpolation);
-    report.storage = summarise(sums, &PointSums::storage);
-    report.cross = summarise(sums, &PointSums::cross);
-    if (reference.bias) report.bias = summarise(sums, &PointSums::bias);
+    std::vector<std::pair<double PointSums::*, ErrorPart*>> parts{{&PointSums::total, &report.total},
+                                                                  {&PointSums::without_bands, &report.without_bands},
+                                                                  {&PointSums::noise, &report.noise},
+                                                                  {&PointSums::bands, &report.bands},
+                                                                  {&PointSums::interpolation, &report.interpolation},
+                                                                  {&PointSums::storage, &report.storage},
+                                                                  {&PointSums::cross, &report.cross}};
+    if (reference.bias) parts.emplace_back(&PointSums::bias, &report.bias.emplace());
+    for_each_index(parts.size(), [&](std::size_t i) { *parts[i].second = summarise(sums, parts[i].first); });
 
     std::vector<Weighted> sorted;
     for (std::size_t i = 0; i < report.points; ++i) sorted.push_back({mean_irradiance[i], reference.weights[i]});

@@ -76,4 +76,8 @@ struct ErrorReport {
 [[nodiscard]] ErrorReport measure_error(const Volume& volume, const HeldOut& reference,
                                         const Volume* rounded_from = nullptr, const SampleOptions& look_up = {});
 
+/// Its total alone, without what the parts cost.
+[[nodiscard]] ErrorPart measure_total(const Volume& volume, const HeldOut& reference,
+                                      const SampleOptions& look_up = {});
+
 }  // namespace lightgrid

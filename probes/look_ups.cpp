@@ -70,7 +70,7 @@ std::vector<LookUpCost> compare_look_ups(const Volume& volume, const HeldOut& re
             if (half) store_as_half(kept);
             for (const Interpolation interpolation : {Interpolation::trilinear, Interpolation::nearest}) {
                 const SampleOptions options{.interpolation = interpolation};
-                look_ups.push_back({interpolation, bands, half, measure_error(kept, reference, nullptr, options).total,
+                look_ups.push_back({interpolation, bands, half, measure_total(kept, reference, options),
                                     nanoseconds_each(kept, places, options),
                                     kept.sh_size() * 3 * (half ? 2 : sizeof(float))});
             }

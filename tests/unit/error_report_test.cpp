@@ -83,6 +83,18 @@ TEST(ErrorReport, NoiseIsThatOfTheCornersThatAnswer) {
     EXPECT_NEAR(all.relrmse / one.relrmse, std::pow(2.0 / 3, 1.5), 0.05);
 }
 
+TEST(ErrorReport, TheTotalAloneIsThatOfTheWhole) {
+    const Measured measured(40);
+    for (const Interpolation interpolation : {Interpolation::trilinear, Interpolation::nearest}) {
+        const SampleOptions look_up{.interpolation = interpolation};
+        const ErrorPart whole = measure_error(measured.volume, measured.held_out, nullptr, look_up).total;
+        const ErrorPart alone = measure_total(measured.volume, measured.held_out, look_up);
+        EXPECT_EQ(alone.relrmse, whole.relrmse);
+        EXPECT_EQ(alone.interval.low, whole.interval.low);
+        EXPECT_EQ(alone.interval.high, whole.interval.high);
+    }
+}
+
 TEST(ErrorReport, PointsCountAsTheirWeightsSay) {
     Measured once(40);
     Measured twice = once;
