@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 #include <limits>
 
@@ -256,6 +257,25 @@ TEST(Placement, BorderProbesBehindTheOuterWallsOfARoomAreMovedIntoIt) {
     // Walls farther in than half a cell: most of what weighs at the border is outside.
     volume = make_volume({grid_over(glm::dvec3(-1.4), glm::dvec3(1.4), glm::ivec3(5))}, 1);
     EXPECT_EQ(place_probes(volume, tracer, all_lit).moved, 0U);
+}
+
+TEST(Placement, AProbeBehindAWallAsksForLightFourTimesAtMost) {
+    Scene scene;
+    // Solid: from within, all that is seen are back faces, and only light could say that it is a room.
+    add_box(scene, add_grey(scene, 0.5F), glm::vec3(-1), glm::vec3(1), Facing::outward);
+    const Tracer tracer(scene);
+    Volume volume = make_volume({grid_over(glm::dvec3(-1.1), glm::dvec3(1.1), glm::ivec3(5))}, 1);
+    std::atomic<int> looks = 0;
+    const LightEvidence dark_inside = {[&](glm::vec3) {
+                                           ++looks;
+                                           return 0.0;
+                                       },
+                                       true};
+    EXPECT_EQ(place_probes(volume, tracer, dark_inside).moved, 0U);
+    const int inner = 27;
+    const int border = 98;
+    EXPECT_GT(looks, inner);
+    EXPECT_LE(looks, inner + 4 * border);
 }
 
 TEST(Placement, ProbesOfAListAreMarkedButNeverMoved) {
