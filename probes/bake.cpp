@@ -15,9 +15,10 @@ namespace {
 constexpr std::uint32_t least_replicates = 4;
 /// Each has a quarter of the area for a patch, twice the rays that find them and twice the samples of lights.
 constexpr int most_finer_caches = 2;
-/// Comparing look-ups, in measurements of the total error: four for each band, and the time that each takes is about
-/// that of another.
-constexpr double measures_per_band = 10;
+/// In measurements of the total error: of all its parts, and comparing look-ups for each band (8 to 12 on three levels:
+/// four are measured, and timed).
+constexpr double measures_of_parts = 9;
+constexpr double measures_per_band = 12;
 
 /// Of irradiance, over all directions of all gathered probes.
 ErrorPart noise_at_probes(const Volume& volume, std::span<const Batch> batches) {
@@ -197,7 +198,8 @@ class Bake {
     [[nodiscard]] std::uint32_t affordable(std::uint32_t done, std::uint32_t more, double seconds) const {
         if (!options_.clock) return more;
         if (done < least_replicates) return 1;
-        const double measures = options_.compare_look_ups ? measures_per_band * plan_.volume.bands : 1;
+        const double measures =
+            measures_of_parts + (options_.compare_look_ups ? measures_per_band * plan_.volume.bands : 0);
         const double left = *options_.target.seconds * (1 - finishing_share) - measures * measuring_seconds_ -
                             options_.clock->seconds();
         const auto affordable = static_cast<std::uint32_t>(std::max(0.0, left * done / seconds));

@@ -10,8 +10,8 @@
 namespace lightgrid {
 namespace {
 
-constexpr std::size_t timed_look_ups = 1 << 14;
-constexpr int timed_runs = 7;
+constexpr std::size_t timed_look_ups = 1 << 13;
+constexpr int timed_runs = 5;
 
 struct Places {
     std::vector<glm::dvec3> positions;
