@@ -39,16 +39,28 @@ constexpr std::uint32_t least_samples = 64;
 /// With fewer, intervals that resampling points gives are too narrow where a few bright ones count for much.
 constexpr std::size_t least_held_out_points = 512;
 constexpr std::size_t most_held_out_points = 1024;
+/// Per point and half; where a time budget does not pay for so many, of the fewest points.
+constexpr double least_reference_samples = 64;
 /// Of the budget of rays, or of time: looking where more probes serve, the pilot's cache included.
 constexpr double planning_share = 0.25;
-constexpr double planning_time_share = 0.35;
+constexpr double planning_time_share = 0.4;
+/// Of a time budget: placing probes, by what one brick of so many takes.
+constexpr double placing_share = 0.15;
+constexpr std::size_t bricks_per_timed = 8;
 /// Of a time budget: the reference and the bias.
 constexpr double certifying_share = 0.2;
+/// Of the reference: rays to draw a point (three levels: 1,000 to 1,700, those that see whether it is open included),
+/// and what a path takes with irradiance along all normals (1.2 to 1.35 times as long).
+constexpr double rays_to_draw = 1500;
+constexpr double slower_with_normals = 1.25;
 /// That a time budget shall pay for, so that there is something to leave off.
 constexpr double planned_replicates = 24;
 constexpr std::uint32_t most_samples = 1U << 20;
 /// Assumed before they are chosen, for the pilot's cache.
 constexpr std::uint32_t pilot_cache_samples = 512;
+/// In a time budget, which it would take much of, that cache has patches so many times as wide, with as many samples in
+/// each.
+constexpr std::uint32_t wider_pilot_patches = 2;
 /// Of the gather rays, for the reference at held-out points.
 constexpr double reference_share = 0.25;
 
@@ -144,6 +156,32 @@ LightEvidence light_evidence(const PathTracer& paths, double usual_light, std::u
     return evidence;
 }
 
+std::size_t count_probes(const PlacementCounts& placed) {
+    return placed.valid + placed.moved + placed.invalid;
+}
+
+/// With a time budget: coarser grids where placing their probes would take more than its share, as some bricks tell.
+void fit_grids(BakePlan& plan, const PathTracer& paths, const BakeOptions& options) {
+    const Scene& scene = paths.tracer().scene();
+    const std::vector<Grid>& grids = plan.volume.grids;
+    const std::vector<Brick>& bricks = plan.volume.bricks;
+    const Stopwatch watch;
+    Volume some =
+        make_volume(grids, spread_over<Brick>(bricks, (bricks.size() + bricks_per_timed - 1) / bricks_per_timed),
+                    plan.volume.bands);
+    const std::size_t placed = count_probes(place_probes(some, paths.tracer(), plan.light));
+    const double affordable = static_cast<double>(placed) * placing_share *
+                              (*options.target.seconds - options.clock->seconds()) / watch.seconds();
+    double all = 0;
+    for (const Grid& grid : grids) all += double(grid.counts.x) * double(grid.counts.y) * double(grid.counts.z);
+    if (affordable >= all) return;
+    PlacementOptions fewer = options.placement;
+    fewer.max_probes = static_cast<std::int64_t>(std::max(affordable, 8.0 * static_cast<double>(grids.size())));
+    GridChoice choice = choose_grids(scene, fewer);
+    plan.why_spacing = choice.why + ", as placing more would take too much of the time";
+    plan.volume = make_volume(std::move(choice.grids), plan.volume.bands, scene.probe_markers);
+}
+
 /// What this level gives no reason to do.
 std::vector<LeftOut> unused_estimators(const PathTracer& paths) {
     const Estimators& use = paths.estimators();
@@ -230,6 +268,11 @@ void steer_plan(BakePlan& plan, const PathTracer& paths, const BakeOptions& opti
         if (progress) progress({"pilot"});
         CacheOptions rough = cache_options(plan, scene, options);
         rough.seed = mix_bits(options.seed, 12);
+        if (options.clock) {
+            rough.width *= wider_pilot_patches;
+            rough.rays_per_probe =
+                std::max(rough.rays_per_probe / (wider_pilot_patches * wider_pilot_patches), least_cache_rays);
+        }
         cache = build_surface_cache(paths, plan.points, rough);
         plan.cache_seconds = watch.seconds() / (static_cast<double>(plan.points.size()) * rough.rays_per_probe);
         counts += cache->made().counts;
@@ -319,20 +362,26 @@ void spend_time(BakePlan& plan, const BakeOptions& options) {
 }
 
 HeldOutOptions held_out_options(const BakePlan& plan, const BakeOptions& options, double paths_per_ray,
-                                double path_seconds) {
+                                const Cost& path) {
     HeldOutOptions result;
     const double rays = reference_share * paths_per_ray * gather_rays(plan) / 2;
     // Few rays at many points: what differs from point to point is more than what the reference is unsure of.
     result.points =
         static_cast<std::size_t>(std::clamp(rays / 128, double{least_held_out_points}, double{most_held_out_points}));
     const double most = options.target.samples ? most_samples : 512;
-    result.samples = static_cast<std::uint32_t>(std::clamp(rays / static_cast<double>(result.points), 64.0, most));
+    result.samples = static_cast<std::uint32_t>(
+        std::clamp(rays / static_cast<double>(result.points), least_reference_samples, most));
     if (options.target.error || options.target.seconds) result.points = most_held_out_points;
     if (options.clock) {
         // Two halves, and two of half as many paths for the bias.
-        const double paths = certifying_share * *options.target.seconds / (3 * path_seconds);
-        result.samples =
-            static_cast<std::uint32_t>(std::clamp(paths / static_cast<double>(result.points), 16.0, double{1U << 16}));
+        const double seconds = certifying_share * *options.target.seconds;
+        const double to_draw = rays_to_draw * path.seconds / path.rays;
+        const double to_trace = 3 * slower_with_normals * path.seconds;
+        result.points =
+            static_cast<std::size_t>(std::clamp(seconds / (to_draw + least_reference_samples * to_trace),
+                                                double{least_held_out_points}, double{most_held_out_points}));
+        const double samples = (seconds / static_cast<double>(result.points) - to_draw) / to_trace;
+        result.samples = static_cast<std::uint32_t>(std::clamp(samples, 16.0, double{1U << 16}));
     }
     result.grids = plan.first_grids;
     result.bands = plan.volume.bands;
@@ -369,6 +418,7 @@ BakePlan plan_bake(const PathTracer& paths, const BakeOptions& options, const Pr
 
     PathCounts pilot;
     plan.light = light_evidence(paths, median_light(paths, plan.volume, options.seed, pilot), options.seed);
+    if (options.clock && !options.placement.spacing && !plan.volume.grids.empty()) fit_grids(plan, paths, options);
     const auto all = static_cast<double>(plan.volume.slots());
     plan.placement = place_probes(plan.volume, paths.tracer(), plan.light, [&](std::size_t done) {
         if (progress) progress({"place", std::min(static_cast<double>(done) / all, 1.0)});
@@ -389,7 +439,7 @@ BakePlan plan_bake(const PathTracer& paths, const BakeOptions& options, const Pr
     }
     Cost cost = measure_cost(paths, plan.points, options.target.samples.value_or(least_samples), options.seed, pilot);
     double paths_per_ray = 1;
-    const double path_seconds = cost.seconds;
+    const Cost path = cost;
     if (plan.method == Method::cache && cost.rays > 0) {
         const double rays = 1 + (paths.estimators().emitters ? 1.0 / GatherRays{}.rays_per_emitter_sample : 0.0) +
                             (paths.estimators().environment ? 1.0 / GatherRays{}.rays_per_sky_sample : 0.0);
@@ -407,7 +457,7 @@ BakePlan plan_bake(const PathTracer& paths, const BakeOptions& options, const Pr
     plan.cache = cache_options(plan, scene, options);
     for (LeftOut& item : unused_estimators(paths)) plan.left_out.push_back(std::move(item));
     leave_out_layers(plan, scene, options);
-    const std::size_t probes = plan.placement.valid + plan.placement.moved + plan.placement.invalid;
+    const std::size_t probes = count_probes(plan.placement);
     if (probes > plan.points.size()) {
         const std::size_t left_out = probes - plan.points.size();
         plan.left_out.push_back({fmt::format("gathers of {} probes inside solids", left_out),
@@ -416,7 +466,7 @@ BakePlan plan_bake(const PathTracer& paths, const BakeOptions& options, const Pr
                                  fmt::format("about {:.3g} million rays",
                                              static_cast<double>(left_out) * plan.samples * cost.rays * 1e-6)});
     }
-    plan.held_out = held_out_options(plan, options, paths_per_ray, path_seconds);
+    plan.held_out = held_out_options(plan, options, paths_per_ray, path);
     plan.seconds_estimate = gather_rays(plan) * cost.seconds * (options.measure_error ? 1 + reference_share : 1);
     // Running sums, a replicate and the result for each point (GatherSums); two volumes, the plan's and the result's;
     // layers; and where each gather ray went, where that is kept.

@@ -44,6 +44,7 @@ constexpr int most_more = 8;
 constexpr int most_confirmations = 4;
 constexpr std::size_t band_points = 512;
 constexpr std::uint32_t band_samples = 512;
+constexpr std::uint32_t band_samples_in_time = 128;  // with a time budget
 constexpr int most_bands = 5;
 
 /// A point in a block, drawn once: what is not free there has no part in the error.
@@ -303,7 +304,8 @@ class Pilot {
         result_.bands = options_.bands.value_or(3);
         if (options_.bands || !(options_.target.error || options_.target.seconds) || band_places_.empty()) return;
         result_.bands_error = measure_bands(paths_, spread_over<glm::vec3>(band_places_, band_points), most_bands,
-                                            band_samples, rays_, mix_bits(options_.seed, bands), result_.counts);
+                                            options_.seconds ? band_samples_in_time : band_samples, rays_,
+                                            mix_bits(options_.seed, bands), result_.counts);
         const auto error = [&](int bands) { return result_.bands_error[static_cast<std::size_t>(bands) - 1]; };
         // Odd bands beyond the second bring no irradiance: nothing is lost by leaving them out.
         const double goal = aimed_share * options_.target.error.value_or(0);

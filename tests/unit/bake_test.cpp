@@ -67,5 +67,25 @@ TEST(Bake, KeepsToTheSamplesThatAreAskedForWhateverTheBias) {
     EXPECT_GT(result.error->bias->interval.low, 0.1) << "but it is measured";
 }
 
+TEST(Bake, StartsFromFewerProbesWhereTimeIsTooShortToPlaceThem) {
+    const Room room;
+    BakeOptions options;
+    options.placement.max_probes = 512;  // and no finer grids, which ample time would look for
+    const auto plan_within = [&](double seconds) {
+        options.target.seconds = seconds;
+        options.clock = Stopwatch();
+        return plan_bake(room.paths, options);
+    };
+    const auto says_so = [](const BakePlan& plan) { return plan.why_spacing.find("time") != std::string::npos; };
+    const auto probes = [](const BakePlan& plan) { return plan.placement.valid + plan.placement.moved; };
+    const BakePlan ample = plan_within(600);
+    EXPECT_FALSE(says_so(ample)) << ample.why_spacing;
+    const BakePlan scarce = plan_within(1e-3);
+    EXPECT_TRUE(says_so(scarce)) << scarce.why_spacing;
+    EXPECT_LT(2 * probes(scarce), probes(ample));
+    options.placement.spacing = 0.6;
+    EXPECT_FALSE(says_so(plan_within(1e-3))) << "a spacing that is asked for stays";
+}
+
 }  // namespace
 }  // namespace lightgrid
