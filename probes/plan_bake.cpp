@@ -61,6 +61,8 @@ constexpr std::uint32_t pilot_cache_samples = 512;
 /// In a time budget, which it would take much of, that cache has patches so many times as wide, with as many samples in
 /// each.
 constexpr std::uint32_t wider_pilot_patches = 2;
+/// Of a time budget: the cache; where it would take more, fewer rays find the surfaces.
+constexpr double cache_time_share = 0.15;
 /// Of the gather rays, for the reference at held-out points.
 constexpr double reference_share = 0.25;
 
@@ -244,6 +246,11 @@ CacheOptions cache_options(const BakePlan& plan, const Scene& scene, const BakeO
     // Not below what float can tell apart.
     result.width = static_cast<float>(std::max({width, 0x1p-18 * longest(scene.bounds.size()), 1e-6}));
     result.rays_per_probe = cache_rays(samples, plan.points.size());
+    if (options.clock && plan.cache_seconds > 0) {
+        const double affordable =
+            cache_time_share * *options.target.seconds / (plan.cache_seconds * static_cast<double>(plan.points.size()));
+        while (result.rays_per_probe > std::max<double>(least_cache_rays, affordable)) result.rays_per_probe /= 2;
+    }
     return result;
 }
 
@@ -351,8 +358,9 @@ void limit_samples(BakePlan& plan, const BakeOptions& options, const Cost& cost)
 }
 
 /// With a time budget: what the time that is left pays for.
-void spend_time(BakePlan& plan, const BakeOptions& options) {
-    const double cache_rays_of_all = static_cast<double>(plan.points.size()) * cache_rays(0, plan.points.size());
+void spend_time(BakePlan& plan, const Scene& scene, const BakeOptions& options) {
+    const double cache_rays_of_all =
+        static_cast<double>(plan.points.size()) * cache_options(plan, scene, options).rays_per_probe;
     const double seconds = *options.target.seconds * (1 - finishing_share - certifying_share) -
                            options.clock->seconds() - plan.cache_seconds * cache_rays_of_all;
     const double planned =
@@ -449,7 +457,7 @@ BakePlan plan_bake(const PathTracer& paths, const BakeOptions& options, const Pr
     if (options.target.samples) {
         take_samples(plan, *options.target.samples);
     } else if (options.clock) {
-        spend_time(plan, options);
+        spend_time(plan, scene, options);
     } else {
         limit_samples(plan, options, cost);
     }
