@@ -369,6 +369,12 @@ void spend_time(BakePlan& plan, const Scene& scene, const BakeOptions& options) 
     plan.why_samples = "what the time pays for";
 }
 
+/// The reference at a point: drawing it, and so many paths there (in all halves).
+double reference_seconds(const Cost& path, double paths) {
+    if (!(path.rays > 0)) return 0;
+    return rays_to_draw * path.seconds / path.rays + slower_with_normals * path.seconds * paths;
+}
+
 HeldOutOptions held_out_options(const BakePlan& plan, const BakeOptions& options, double paths_per_ray,
                                 const Cost& path) {
     HeldOutOptions result;
@@ -383,10 +389,10 @@ HeldOutOptions held_out_options(const BakePlan& plan, const BakeOptions& options
     if (options.clock) {
         // Two halves, and two of half as many paths for the bias.
         const double seconds = certifying_share * *options.target.seconds;
-        const double to_draw = rays_to_draw * path.seconds / path.rays;
-        const double to_trace = 3 * slower_with_normals * path.seconds;
+        const double to_draw = reference_seconds(path, 0);
+        const double to_trace = reference_seconds(path, 3) - to_draw;
         result.points =
-            static_cast<std::size_t>(std::clamp(seconds / (to_draw + least_reference_samples * to_trace),
+            static_cast<std::size_t>(std::clamp(seconds / reference_seconds(path, 3 * least_reference_samples),
                                                 double{least_held_out_points}, double{most_held_out_points}));
         const double samples = (seconds / static_cast<double>(result.points) - to_draw) / to_trace;
         result.samples = static_cast<std::uint32_t>(std::clamp(samples, 16.0, double{1U << 16}));
@@ -475,7 +481,13 @@ BakePlan plan_bake(const PathTracer& paths, const BakeOptions& options, const Pr
                                              static_cast<double>(left_out) * plan.samples * cost.rays * 1e-6)});
     }
     plan.held_out = held_out_options(plan, options, paths_per_ray, path);
-    plan.seconds_estimate = gather_rays(plan) * cost.seconds * (options.measure_error ? 1 + reference_share : 1);
+    // What the pilot's gathers took is nearer than what its paths' rays did, where a cache is read.
+    const bool is_timed = plan.steering && plan.steering->seconds_per_sample > 0;
+    plan.seconds_estimate = gather_rays(plan) * (is_timed ? plan.steering->seconds_per_sample : cost.seconds);
+    if (options.measure_error && plan.volume.has_cells()) {
+        plan.seconds_estimate +=
+            static_cast<double>(plan.held_out.points) * reference_seconds(path, 2.0 * plan.held_out.samples);
+    }
     // Running sums, a replicate and the result for each point (GatherSums); two volumes, the plan's and the result's;
     // layers; and where each gather ray went, where that is kept.
     const std::size_t values = plan.volume.sh_size() + 6;
