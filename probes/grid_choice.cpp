@@ -80,7 +80,7 @@ double spacing_within(const std::vector<Box>& boxes, double spacing, std::int64_
 
 }  // namespace
 
-GridChoice choose_grids(const Scene& scene, const PlacementOptions& options) {
+GridChoice choose_grids(const Scene& scene, const PlacementOptions& options, const Box& within) {
     std::vector<Box> boxes = options.boxes;
     std::string over = boxes.size() == 1 ? "the given box" : "the given boxes";
     if (boxes.empty()) {
@@ -88,8 +88,11 @@ GridChoice choose_grids(const Scene& scene, const PlacementOptions& options) {
         over = boxes.size() == 1 ? "the box marked in the level" : "the boxes marked in the level";
     }
     if (boxes.empty() && !scene.bounds.empty()) {
-        boxes = {scene.bounds};
+        boxes = {within.empty() ? scene.bounds : within};
         over = "the level's bounds";
+        const glm::dvec3 cut = glm::max(boxes[0].min - scene.bounds.min, scene.bounds.max - boxes[0].max);
+        const double deepest = std::max({cut.x, cut.y, cut.z});
+        if (deepest > 0) over += fmt::format(" but up to {:.2g} m behind outer walls", deepest);
     }
     if (boxes.empty()) return {{}, "no surfaces and no boxes: one probe at the origin"};
 

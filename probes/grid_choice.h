@@ -24,6 +24,8 @@ struct GridChoice {
 
 /// Lattices that span the boxes exactly, with cells as near to cubes as whole numbers allow. Throws Error before
 /// anything is allocated where they would hold more than max_probes.
-[[nodiscard]] GridChoice choose_grids(const Scene& scene, const PlacementOptions& options);
+///
+/// within  in place of the level's bounds, where it is not empty
+[[nodiscard]] GridChoice choose_grids(const Scene& scene, const PlacementOptions& options, const Box& within = {});
 
 }  // namespace lightgrid

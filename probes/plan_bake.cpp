@@ -1,6 +1,7 @@
 #include "core/parallel.h"
 #include "core/stopwatch.h"
 #include "probes/bake.h"
+#include "probes/outer_walls.h"
 
 #include <fmt/format.h>
 #include <glm/gtc/constants.hpp>
@@ -44,6 +45,8 @@ constexpr double least_reference_samples = 64;
 /// Of the budget of rays, or of time: looking where more probes serve, the pilot's cache included.
 constexpr double planning_share = 0.25;
 constexpr double planning_time_share = 0.4;
+/// Of the spacing: outer walls that far within the level's bounds bound the grid in their place.
+constexpr double reach_of_walls = 0.5;
 /// Of a time budget: placing probes, by what one brick of so many takes.
 constexpr double placing_share = 0.15;
 constexpr std::size_t bricks_per_timed = 8;
@@ -158,12 +161,21 @@ LightEvidence light_evidence(const PathTracer& paths, double usual_light, std::u
     return evidence;
 }
 
+/// Grids, not behind outer walls where it is left to us.
+GridChoice grids_inside(const Tracer& tracer, const PlacementOptions& options, PathCounts& counts) {
+    GridChoice choice = choose_grids(tracer.scene(), options);
+    if (choice.grids.empty() || !options.boxes.empty() || !tracer.scene().volume_markers.empty()) return choice;
+    const glm::dvec3 spacing = choice.grids.front().spacing;
+    const double reach = reach_of_walls * std::max({spacing.x, spacing.y, spacing.z});
+    return choose_grids(tracer.scene(), options, within_outer_walls(tracer, reach, counts.rays));
+}
+
 std::size_t count_probes(const PlacementCounts& placed) {
     return placed.valid + placed.moved + placed.invalid;
 }
 
 /// With a time budget: coarser grids where placing their probes would take more than its share, as some bricks tell.
-void fit_grids(BakePlan& plan, const PathTracer& paths, const BakeOptions& options) {
+void fit_grids(BakePlan& plan, const PathTracer& paths, const BakeOptions& options, PathCounts& counts) {
     const Scene& scene = paths.tracer().scene();
     const std::vector<Grid>& grids = plan.volume.grids;
     const std::vector<Brick>& bricks = plan.volume.bricks;
@@ -179,7 +191,7 @@ void fit_grids(BakePlan& plan, const PathTracer& paths, const BakeOptions& optio
     if (affordable >= all) return;
     PlacementOptions fewer = options.placement;
     fewer.max_probes = static_cast<std::int64_t>(std::max(affordable, 8.0 * static_cast<double>(grids.size())));
-    GridChoice choice = choose_grids(scene, fewer);
+    GridChoice choice = grids_inside(paths.tracer(), fewer, counts);
     plan.why_spacing = choice.why + ", as placing more would take too much of the time";
     plan.volume = make_volume(std::move(choice.grids), plan.volume.bands, scene.probe_markers);
 }
@@ -419,20 +431,21 @@ BakePlan plan_bake(const PathTracer& paths, const BakeOptions& options, const Pr
     const Stopwatch watch;
     const Scene& scene = paths.tracer().scene();
     BakePlan plan;
+    PathCounts pilot;
     if (options.probes) {
         plan.volume = make_probe_list(*options.probes, options.bands.value_or(3));
         plan.why_spacing = "a list: gathered exactly where it is";
     } else {
-        GridChoice choice = choose_grids(scene, options.placement);
+        GridChoice choice = grids_inside(paths.tracer(), options.placement, pilot);
         plan.why_spacing = choice.why;
         std::vector<glm::dvec3> list = scene.probe_markers;
         if (choice.grids.empty() && list.empty()) list.push_back(scene.origin);
         plan.volume = make_volume(std::move(choice.grids), options.bands.value_or(3), std::move(list));
     }
 
-    PathCounts pilot;
     plan.light = light_evidence(paths, median_light(paths, plan.volume, options.seed, pilot), options.seed);
-    if (options.clock && !options.placement.spacing && !plan.volume.grids.empty()) fit_grids(plan, paths, options);
+    if (options.clock && !options.placement.spacing && !plan.volume.grids.empty())
+        fit_grids(plan, paths, options, pilot);
     const auto all = static_cast<double>(plan.volume.slots());
     plan.placement = place_probes(plan.volume, paths.tracer(), plan.light, [&](std::size_t done) {
         if (progress) progress({"place", std::min(static_cast<double>(done) / all, 1.0)});

@@ -30,9 +30,9 @@
 namespace lightgrid {
 namespace {
 
-constexpr double reference_seconds = 30;  // of the processor, each half
 constexpr std::uint32_t least_reference_samples = 1024;
-constexpr std::uint32_t bias_samples = 8192;  // so that gathers add little noise to the measurement of bias
+constexpr std::uint32_t least_bias_samples = 8192;
+constexpr std::uint32_t most_bias_samples = 1U << 18;
 constexpr int cache_seeds = 2;
 
 double lobe_squared(std::size_t coefficient) {
@@ -78,7 +78,8 @@ struct Reference {
     std::uint32_t samples = 0;
 };
 
-Reference make_reference(const PathTracer& paths, const std::vector<glm::vec3>& points, double error) {
+Reference make_reference(const PathTracer& paths, const std::vector<glm::vec3>& points, double reference_seconds,
+                         double error) {
     GatherOptions options;
     options.samples = 64;
     options.seed = 1;
@@ -130,8 +131,12 @@ Attempt attempt(const PathTracer& paths, const std::vector<glm::vec3>& points, c
         gathering.rays.cache = &*cache;
         Gather light;
         seconds += seconds_of([&] { light = gather(paths, points, gathering); }).processor;
-        noise += noise_squared(light) / reference.power;
-        gathering.samples = bias_samples;
+        const double now = noise_squared(light) / reference.power;
+        noise += now;
+        // So that gathers add no more noise to the measurement of bias than the reference does.
+        const double wanted = gathering.samples * now / (reference.noise * reference.noise);
+        gathering.samples =
+            static_cast<std::uint32_t>(std::clamp(wanted, double{least_bias_samples}, double{most_bias_samples}));
         gathering.seed = 30;
         const Gather x = gather(paths, points, gathering);
         gathering.seed = 40;
@@ -167,7 +172,7 @@ void compare(const Level& level, double error) {
         if (p.x + level.scene.origin.x >= level.from_x) points.push_back(p);
     }
     points = spread_over(points, level.compared);
-    const Reference reference = make_reference(paths, points, error);
+    const Reference reference = make_reference(paths, points, level.reference_seconds, error);
     std::optional<Attempt> best;
     for (options.rays_per_sample = 8; options.rays_per_sample <= 64; options.rays_per_sample *= 8) {
         for (options.rays_per_probe = 8; options.rays_per_probe <= 128; options.rays_per_probe *= 2) {
@@ -178,8 +183,8 @@ void compare(const Level& level, double error) {
         }
     }
     const double each = 1e3 / static_cast<double>(points.size());
-    fmt::print("| {} | {} of {} | {:.2f} | {:.2f} | {:.3f} | {:.3f} | {:.2f} ({:.2f}) | {} | {} | {:.1f} |\n", level.name,
-               points.size(), all.size(), 100 * reference.noise, each * reference.seconds_to_error,
+    fmt::print("| {} | {} of {} | {:.2f} | {:.2f} | {:.3f} | {:.3f} | {:.2f} ({:.2f}) | {} | {} | {:.1f} |\n",
+               level.name, points.size(), all.size(), 100 * reference.noise, each * reference.seconds_to_error,
                each * best->seconds(), each * best->build, percent_of_square(best->bias),
                percent_of_square(best->bias + 2 * best->bias_error), best->rays_per_probe, best->rays_per_sample,
                reference.seconds_to_error / best->seconds());
@@ -190,7 +195,8 @@ void print_head() {
     fmt::print(
         "processor time of {} threads\n\n| level | probes | reference noise, % | path, ms a probe | cache, ms a probe "
         "| of that building | "
-        "bias, % (at most) | cache rays a probe | a sample | path / cache |\n|---|---|---|---|---|---|---|---|---|---|\n",
+        "bias, % (at most) | cache rays a probe | a sample | path / cache "
+        "|\n|---|---|---|---|---|---|---|---|---|---|\n",
         thread_count());
 }
 
@@ -217,11 +223,16 @@ Level level_called(const std::string& name, const std::filesystem::path& scenes,
     };
     if (name == "breakfast-room") return bitterli("breakfast-room", data / "env-polyhaven-1k/apartment.hdr");
     if (name == "veach-ajar" || name == "modern-hall") return bitterli(name.c_str());
-    if (name == "bathroom") return bitterli("contemporary-bathroom");
+    if (name == "bathroom") {
+        Level level = bitterli("contemporary-bathroom");
+        level.reference_seconds = 120;
+        return level;
+    }
     if (name != "behind-the-door") return load_lit_level(name, scenes / (name + ".glb"));
     Level level = load_lit_level(name, scenes / "door_ajar.glb");
     level.from_x = 0.1;
-    level.compared = 16;  // so that the reference has time to tell a bias of 1 %
+    level.compared = 16;
+    level.reference_seconds = 240;
     return level;
 }
 

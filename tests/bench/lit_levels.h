@@ -23,6 +23,7 @@ struct Level {
     std::optional<double> spacing;
     std::size_t compared = 256;                                // probes, at most
     double from_x = -std::numeric_limits<double>::infinity();  // of them
+    double reference_seconds = 30;  // of the processor, for each half of a reference, so that it can tell a bias of 1 %
 };
 
 /// The probes that a bake of 1,024 gather rays would place, and the cache that it would build for them.

@@ -3,6 +3,7 @@
 #include "core/error.h"
 #include "core/sh.h"
 #include "probes/grid_choice.h"
+#include "probes/outer_walls.h"
 #include "tests/scene_builder.h"
 
 #include <gtest/gtest.h>
@@ -416,6 +417,55 @@ TEST(Placement, GridsSpanTheirBoxesWithTheSpacingAskedFor) {
     EXPECT_LT(glm::distance(grid.position(grid.counts - 1), scene.bounds.max), 1e-12);
     EXPECT_LE(std::max({grid.spacing.x, grid.spacing.y, grid.spacing.z}), 0.5 + 1e-9);
     EXPECT_EQ(choice.why, "0.5 m as asked, over the level's bounds");
+}
+
+Box within_walls(const Scene& scene, double reach, std::uint64_t* rays = nullptr) {
+    std::uint64_t counted = 0;
+    const Box within = within_outer_walls(Tracer(scene), reach, counted);
+    if (rays != nullptr) *rays = counted;
+    return within;
+}
+
+TEST(Placement, WhatIsBehindOuterWallsIsNotOfTheGrid) {
+    Scene scene;
+    const int wall = add_grey(scene, 0.5F);
+    add_box(scene, wall, {-3, 0, -2}, {3, 2.5F, 2}, Facing::inward);
+    add_box(scene, wall, {-1, 1, -2.2F}, {1, 1.1F, -1.9F}, Facing::outward);  // a sill that stands out
+    ASSERT_FLOAT_EQ(static_cast<float>(scene.bounds.min.z), -2.2F);
+    std::uint64_t rays = 0;
+    const Box within = within_walls(scene, 0.4, &rays);
+    EXPECT_GT(rays, 0U);
+    EXPECT_GT(within.min.z, -2) << "inside the wall, which is thin";
+    EXPECT_NEAR(within.min.z, -2, 0.01);
+    EXPECT_EQ(within.max, scene.bounds.max) << "where the wall is at the bounds they stay as they are";
+    EXPECT_EQ(within.min.x, scene.bounds.min.x);
+    EXPECT_EQ(within.min.y, scene.bounds.min.y);
+    EXPECT_EQ(within_walls(scene, 0.15).min, scene.bounds.min) << "the wall is further away than reaches";
+
+    const GridChoice choice = choose_grids(scene, {}, within);
+    EXPECT_EQ(choice.grids[0].origin.z, within.min.z);
+    EXPECT_NE(choice.why.find("over the level's bounds but up to 0.21 m behind outer walls"), std::string::npos)
+        << choice.why;
+    PlacementOptions boxes;
+    boxes.boxes = {scene.bounds};
+    EXPECT_EQ(choose_grids(scene, boxes, within).grids[0].origin, scene.bounds.min) << "a box that was asked for";
+}
+
+TEST(Placement, SidesThatAreOpenOrUnevenStay) {
+    Scene scene;
+    const int ground = add_grey(scene, 0.5F);
+    // Hills from 0 to 0.5 m below a tower, and a fence along a third of one side.
+    for (int i = 0; i < 20; ++i) {
+        const auto x = static_cast<float>(i - 10);
+        add_quad(scene, ground, {x, 0.25F + 0.25F * std::sin(x), -10}, {1, 0.25F * (std::sin(x + 1) - std::sin(x)), 0},
+                 {0, 0, 20});
+    }
+    add_box(scene, ground, {-1, 0, -1}, {1, 8, 1}, Facing::outward);
+    add_quad(scene, ground, {-9.8F, 0, -10}, {0, 8, 0}, {0, 0, 6});
+    const Box within = within_walls(scene, 0.6);
+    EXPECT_EQ(within.min.x, scene.bounds.min.x);
+    EXPECT_EQ(within.max, scene.bounds.max);
+    EXPECT_LT(within.min.y, 0.05) << "hardly any of the ground is cut off";
 }
 
 TEST(Placement, AWholeNumberOfSpacingsGetsNoCellMore) {
