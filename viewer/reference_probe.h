@@ -1,17 +1,14 @@
 #pragma once
 
 #include "probes/gather.h"
+#include "viewer/background_answer.h"
 #include "viewer/look_up.h"
 
 #include <glm/glm.hpp>
 
-#include <condition_variable>
 #include <cstdint>
-#include <exception>
-#include <mutex>
 #include <optional>
 #include <span>
-#include <thread>
 #include <vector>
 
 namespace lightgrid {
@@ -35,38 +32,24 @@ class ReferenceProbe {
 
     /// Keeps a reference to `paths`, which must outlive this.
     explicit ReferenceProbe(const PathTracer& paths, int bands = 3);
-    /// Stops and waits.
-    ~ReferenceProbe();
-    ReferenceProbe(const ReferenceProbe&) = delete;
-    ReferenceProbe& operator=(const ReferenceProbe&) = delete;
 
-    /// Asks for the light at a point; what was asked before is given up. Does not wait.
+    /// Asks for the light at a point; see BackgroundAnswer.
     ///
     /// position  level coordinates, in front of any surface
     /// normal    unit length
-    void ask(glm::dvec3 position, glm::vec3 normal);
-
-    /// The best answer yet to the latest question, once; nothing where there is none that was not taken before. Throws,
-    /// once, what the tracing threw. Never waits for it.
-    [[nodiscard]] std::optional<ReferenceLight> take();
+    void ask(glm::dvec3 position, glm::vec3 normal) { answer_.ask({position, normal}); }
+    /// The best answer yet.
+    [[nodiscard]] std::optional<ReferenceLight> take() { return answer_.take(); }
 
   private:
     struct Question {
         glm::dvec3 position{0};
         glm::vec3 normal{0};
-        std::uint64_t number = 0;
     };
-    void work(const std::stop_token& stop);
-    void answer(const std::stop_token& stop, const Question& question);
+    using Answer = BackgroundAnswer<Question, ReferenceLight>;
+    static void trace(const PathTracer& paths, int bands, const Question& question, const Answer::Turn& turn);
 
-    const PathTracer& paths_;
-    int bands_;
-    mutable std::mutex mutex_;  // of all below; held for a move at most
-    std::condition_variable_any asked_;
-    Question question_;  // the latest; number 0: none yet
-    std::optional<ReferenceLight> answer_;
-    std::exception_ptr failure_;
-    std::jthread thread_;  // last: the others must be there while it runs
+    Answer answer_;
 };
 
 /// Their means; coefficients that are not there are zero.
