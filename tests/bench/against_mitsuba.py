@@ -89,10 +89,13 @@ class Lightgrid:
         stages = {stage["name"]: stage["seconds"] for stage in json.loads(report.read_text())["stages"]}
         return positions, valid, coefficients, processor_s, stages
 
-    def choose_points(self, count):
-        """Valid probes of a grid, evenly picked."""
-        positions, valid, *_ = self.bake("--samples", 16, *self.grid(count))
-        points = positions[valid]
+    def choose_points(self, count, seeds):
+        """Probes of a grid that are valid, and stand in the same place, with all of the seeds; evenly picked."""
+        places = []
+        for seed in seeds:
+            positions, valid, *_ = self.bake("--samples", 16, "--seed", seed, *self.grid(count))
+            places.append({tuple(point) for point in positions[valid].tolist()})
+        points = np.array(sorted(set.intersection(*places)))
         # Not those on the bounds themselves, which walls may share.
         margin = 0.02 * (points.max(axis=0) - points.min(axis=0))
         points = points[np.all((points > points.min(axis=0) + margin) & (points < points.max(axis=0) - margin), axis=1)]
@@ -215,7 +218,8 @@ def compare(options, level, environment):
         folder = pathlib.Path(name)
         subprocess.run([options.programs / "bench_export_level", level, folder / "scene"], check=True)
         ours = Lightgrid(options.programs, level, environment, options.threads, folder)
-        points = ours.choose_points(options.points)
+        seeds = range(options.rounds + 1)
+        points = ours.choose_points(options.points, seeds if options.method == "cache" else [0])
         points_file = folder / "points.csv"
         points_file.write_text("x,y,z\n" + "".join(f"{x!r},{y!r},{z!r}\n" for x, y, z in points.tolist()))
         theirs = Mitsuba(options.variant, folder / "scene" / "scene.xml", environment, options.threads, points)
@@ -226,7 +230,7 @@ def compare(options, level, environment):
             "path + nee": lambda seed: theirs.gather(options.mitsuba_samples, True),
         }
         rounds = {name: [] for name in gathers}
-        for seed in range(options.rounds + 1):
+        for seed in seeds:
             for name, gather in gathers.items():
                 result = gather(seed)
                 if seed > 0:  # the first compiles
