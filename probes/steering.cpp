@@ -37,6 +37,8 @@ constexpr double worthwhile = 0.87;
 /// The error has to fall at least as this power of the probes: with half of what a straight edge gives (1/4: twice as
 /// fine takes four times as many along it, and halves the square), noise of the estimate included.
 constexpr double least_yield = 0.125;
+/// Looks in a row that tell so, before it is believed: of one, a few points beside lamps may decide.
+constexpr int most_stalled = 2;
 /// Of the probes, before it is told whether the error falls: a few blocks say little of the others.
 constexpr double least_growth = 1.5;
 /// Further points in a block, at most, for each that it has anyway.
@@ -328,6 +330,7 @@ class Pilot {
         const double goal = interpolation_goal(options_.target, bands_left());
         double gain = first_gain;
         int confirmations = 0;
+        int stalled = 0;
         while (true) {
             expected_ = interpolation();
             // The blocks that were left as they are were chosen because their points looked good: only fresh points tell.
@@ -342,7 +345,8 @@ class Pilot {
                 result_.why_refined = fmt::format("interpolation leaves {}", rounded_percent(expected_));
                 return;
             }
-            if (buys_too_little()) {
+            stalled = buys_too_little() ? stalled + 1 : 0;
+            if (stalled == most_stalled) {
                 result_.why_refined = fmt::format(
                     "interpolation leaves {}, and more probes would hardly lower it: walls leak, or edges are sharp",
                     rounded_percent(expected_));
