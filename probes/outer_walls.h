@@ -11,7 +11,8 @@ namespace lightgrid {
 /// moves in to where its wall begins, where two thirds of it or more are wall within `reach`, and as far as hardly any
 /// of that wall is cut off: uneven ground stays.
 ///
-/// reach  metres, > 0; counts the rays that it takes
+/// reach  metres, > 0
+/// rays   counted up by those that it takes
 [[nodiscard]] Box within_outer_walls(const Tracer& tracer, double reach, std::uint64_t& rays);
 
 }  // namespace lightgrid

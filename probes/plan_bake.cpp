@@ -183,8 +183,9 @@ void fit_grids(BakePlan& plan, const PathTracer& paths, const BakeOptions& optio
     Volume some =
         make_volume(grids, spread_over<Brick>(bricks, (bricks.size() + bricks_per_timed - 1) / bricks_per_timed),
                     plan.volume.bands);
-    const std::size_t placed = count_probes(place_probes(some, paths.tracer(), plan.light));
-    const double affordable = static_cast<double>(placed) * placing_share *
+    const PlacementCounts placed = place_probes(some, paths.tracer(), plan.light);
+    counts.rays += placed.rays;
+    const double affordable = static_cast<double>(count_probes(placed)) * placing_share *
                               (*options.target.seconds - options.clock->seconds()) / watch.seconds();
     double all = 0;
     for (const Grid& grid : grids) all += double(grid.counts.x) * double(grid.counts.y) * double(grid.counts.z);

@@ -38,6 +38,23 @@ bool leaves_out_cache(const BakeResult& result) {
                        [](const LeftOut& item) { return item.what == "the surface cache"; });
 }
 
+TEST(Bake, GridsDoNotGoBehindOuterWallsUnlessABoxIsAskedFor) {
+    Scene scene = Room::made();
+    add_box(scene, 0, {1, 1, 3.9F}, {3, 1.1F, 4.3F}, Facing::outward);  // a sill that stands out
+    const TracedLevel room(std::move(scene));
+    BakeOptions options;
+    options.placement.spacing = 1;
+    options.target.samples = 64;
+    const auto last_probe_z = [&] {
+        const Grid grid = plan_bake(room.paths, options).volume.grids.at(0);
+        return grid.position(grid.counts - 1).z;
+    };
+    EXPECT_LT(last_probe_z(), 4);
+    EXPECT_GT(last_probe_z(), 3.9);
+    options.placement.boxes = {room.scene.bounds};
+    EXPECT_NEAR(last_probe_z(), 4.3, 1e-6);
+}
+
 TEST(Bake, MakesPatchesFinerWhoseBiasIsTooLarge) {
     const Room room;
     const BakeResult result = bake_with_patches(room, 8, {{}, 0.1, {}});

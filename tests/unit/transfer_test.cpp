@@ -124,6 +124,13 @@ TEST(Transfer, BouncesBetweenFloorAndWall) {
     EXPECT_NEAR(transfer[v * 9] / open, 0.5 + 0.8 / 4, 0.01);
 }
 
+TEST(Transfer, EndsByWhatItsStepThrows) {
+    struct Stopped {};
+    TransferOptions options;
+    options.step = [] { throw Stopped(); };
+    EXPECT_THROW((void)self_shadowed_transfer(make_sphere(8), options), Stopped);
+}
+
 TEST(Transfer, DoesNotDependOnThreads) {
     const ObjectMesh object = groove(0.5F);
     TransferOptions options;
