@@ -37,36 +37,6 @@ ErrorPart noise_at_probes(const Volume& volume, std::span<const Batch> batches) 
     return noise;
 }
 
-/// What the target asked for and what came of it.
-void judge(BakeResult& result, const BakeOptions& options) {
-    if (options.target.samples || options.target.seconds) return;
-    const double target = options.target.error.value_or(default_error);
-    const std::string wanted = rounded_percent(target);
-    if (!result.error) {
-        result.target_met = result.noise.relrmse < target;
-        result.verdict = fmt::format("{}: noise {} of {}", *result.target_met ? "target met" : "target not reached",
-                                     rounded_percent(result.noise.relrmse), wanted);
-        return;
-    }
-    const ErrorReport& error = *result.error;
-    const ErrorPart& counted = options.target.error ? error.total : error.without_bands;
-    result.target_met = counted.interval.high < target;
-    if (*result.target_met) {
-        result.verdict = fmt::format("target met: {} at most, of {}", rounded_percent(counted.interval.high), wanted);
-        return;
-    }
-    std::vector<std::pair<double, std::string>> parts{{error.interpolation.relrmse, "interpolation"},
-                                                      {error.noise.relrmse, "noise"},
-                                                      {error.bias.value_or(ErrorPart{}).relrmse, "bias"}};
-    if (options.target.error) parts.emplace_back(error.bands.relrmse, "bands");
-    std::sort(parts.begin(), parts.end(), std::greater<>());
-    std::vector<std::string> named;
-    for (const auto& [value, name] : parts) {
-        if (named.empty() || value > 0.5 * target) named.push_back(fmt::format("{} {}", name, rounded_percent(value)));
-    }
-    result.verdict = fmt::format("target not reached: {}", fmt::join(named, ", "));
-}
-
 /// The bake itself, stage by stage.
 class Bake {
   public:
@@ -87,7 +57,7 @@ class Bake {
         }
         finish();
         measure();
-        judge(result_, options_);
+        judge();
         describe();
         return std::move(result_);
     }
@@ -321,6 +291,11 @@ class Bake {
         if (!options_.compare_look_ups) return;
         result_.look_ups = compare_look_ups(unrounded_ ? *unrounded_ : result_.volume, held_out_, options_.seed);
         add_stage("look-ups", watch.lap(), {});
+    }
+
+    void judge() {
+        result_.verdict =
+            lightgrid::judge(options_.target, {result_.error ? &*result_.error : nullptr, result_.noise.relrmse});
     }
 
     void describe() {

@@ -11,6 +11,7 @@
 #include "probes/steering.h"
 #include "probes/surface_cache.h"
 #include "probes/target.h"
+#include "probes/verdict.h"
 #include "probes/volume.h"
 
 #include <glm/glm.hpp>
@@ -98,8 +99,7 @@ struct BakeResult {
     Volume volume;
     std::optional<ErrorReport> error;  // grids only, where asked for and where any free point was found
     std::string no_error_because;      // why not
-    std::optional<bool> target_met;    // where there is a target
-    std::string verdict;               // one sentence about it
+    Verdict verdict;                   // empty where nothing was measured
     ErrorPart noise;                   // over all probes: always known
     std::uint32_t replicates = 0;
     std::vector<CurvePoint> curve;  // as replicates come; one point where transport is kept or layers are solved for:

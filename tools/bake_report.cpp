@@ -36,7 +36,7 @@ std::string with_interval(const ErrorPart& part) {
 
 json error_json(const BakeResult& result) {
     json error;
-    error["target_met"] = result.target_met ? json(*result.target_met) : json(nullptr);
+    error["target_met"] = result.verdict.target_met ? json(*result.verdict.target_met) : json(nullptr);
     if (!result.error) {
         error["relrmse"] = nullptr;
         error["interval"] = nullptr;
@@ -164,7 +164,7 @@ json target_json(const BakePlan& plan, const BakeResult& result, const BakeOptio
     json target{{"error", options.target.error ? json(*options.target.error) : json(nullptr)},
                 {"seconds", options.target.seconds ? json(*options.target.seconds) : json(nullptr)},
                 {"error_without_bands", nullptr},
-                {"verdict", result.verdict},
+                {"verdict", result.verdict.sentence},
                 {"why_bands", steering.why_bands},
                 {"why_refined", steering.why_refined},
                 {"expected_bands", steering.bands_error},
@@ -261,7 +261,7 @@ void print_result(const Messages& messages, const BakePlan& plan, const BakeResu
                                   bytes_text(static_cast<double>(stored_bytes(result.volume, layer.coefficients))),
                                   percent(layer.noise)));
     }
-    if (!result.verdict.empty()) messages.line("target     " + result.verdict);
+    if (!result.verdict.sentence.empty()) messages.line("target     " + result.verdict.sentence);
     for (std::size_t i = plan.left_out.size(); i < result.left_out.size(); ++i)
         print_left_out(messages, result.left_out[i]);
     messages.line(fmt::format("written    {} ({})", output.string(),

@@ -1,0 +1,46 @@
+#include "probes/verdict.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
+#include <utility>
+#include <vector>
+
+namespace lightgrid {
+namespace {
+
+/// The parts that are in the way, largest first: the largest, and what alone takes half of the target.
+std::string what_is_left(const ErrorReport& error, double wanted, bool counts_bands) {
+    std::vector<std::pair<double, std::string>> parts{{error.interpolation.relrmse, "interpolation"},
+                                                      {error.noise.relrmse, "noise"},
+                                                      {error.bias.value_or(ErrorPart{}).relrmse, "bias"}};
+    if (counts_bands) parts.emplace_back(error.bands.relrmse, "bands");
+    std::sort(parts.begin(), parts.end(), std::greater<>());
+    std::vector<std::string> named;
+    for (const auto& [value, name] : parts) {
+        if (named.empty() || value > 0.5 * wanted) named.push_back(fmt::format("{} {}", name, rounded_percent(value)));
+    }
+    return fmt::format("{}", fmt::join(named, ", "));
+}
+
+}  // namespace
+
+Verdict judge(const Target& target, const Evidence& evidence) {
+    if (target.samples || target.seconds) return {};
+    const double wanted = target.error.value_or(default_error);
+    if (evidence.error == nullptr) {
+        const bool is_met = evidence.noise < wanted;
+        return {is_met, fmt::format("{}: noise {} of {}", is_met ? "target met" : "target not reached",
+                                    rounded_percent(evidence.noise), rounded_percent(wanted))};
+    }
+    const ErrorPart& counted = target.error ? evidence.error->total : evidence.error->without_bands;
+    if (counted.interval.high < wanted) {
+        return {true, fmt::format("target met: {} at most, of {}", rounded_percent(counted.interval.high),
+                                  rounded_percent(wanted))};
+    }
+    return {false,
+            fmt::format("target not reached: {}", what_is_left(*evidence.error, wanted, target.error.has_value()))};
+}
+
+}  // namespace lightgrid

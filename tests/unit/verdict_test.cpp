@@ -1,0 +1,54 @@
+#include "probes/verdict.h"
+
+#include <gtest/gtest.h>
+
+namespace lightgrid {
+namespace {
+
+ErrorPart part(double relrmse, double high) {
+    return {relrmse, {0, high}};
+}
+
+TEST(Verdict, NothingIsJudgedWhereSamplesOrSecondsWereAskedFor) {
+    const ErrorReport error;
+    for (const Target& target : {Target{512, {}, {}}, Target{{}, {}, 60.0}}) {
+        const Verdict verdict = judge(target, {&error, 0.5});
+        EXPECT_FALSE(verdict.target_met);
+        EXPECT_EQ(verdict.sentence, "");
+    }
+}
+
+TEST(Verdict, NoiseAloneDecidesWhereNothingElseIsKnown) {
+    const Verdict met = judge({{}, 0.01, {}}, {nullptr, 0.009});
+    EXPECT_EQ(met.target_met, true);
+    EXPECT_EQ(met.sentence, "target met: noise 0.9 % of 1 %");
+    const Verdict missed = judge({{}, 0.01, {}}, {nullptr, 0.011});
+    EXPECT_EQ(missed.target_met, false);
+    EXPECT_EQ(missed.sentence, "target not reached: noise 1.1 % of 1 %");
+}
+
+TEST(Verdict, TheUpperEndOfTheIntervalDecides) {
+    ErrorReport error;
+    error.total = part(0.05, 0.06);
+    error.without_bands = part(0.01, 0.019);
+    error.bands = part(0.048, 0.06);
+    error.interpolation = part(0.009, 0.02);
+    error.noise = part(0.004, 0.004);
+    EXPECT_EQ(judge({}, {&error}).target_met, true) << "without a target of one's own, bands do not count";
+    EXPECT_EQ(judge({}, {&error}).sentence, "target met: 1.9 % at most, of 2 %");
+    EXPECT_EQ(judge({{}, 0.02, {}}, {&error}).target_met, false) << "with one they do";
+    error.without_bands.interval.high = 0.021;
+    EXPECT_EQ(judge({}, {&error}).target_met, false);
+}
+
+TEST(Verdict, NamesThePartsThatAreInTheWay) {
+    ErrorReport error;
+    error.total = part(0.05, 0.06);
+    error.bands = part(0.048, 0.06);
+    error.interpolation = part(0.011, 0.02);
+    error.noise = part(0.004, 0.004);
+    EXPECT_EQ(judge({{}, 0.02, {}}, {&error}).sentence, "target not reached: bands 4.8 %, interpolation 1.1 %");
+}
+
+}  // namespace
+}  // namespace lightgrid
