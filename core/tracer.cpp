@@ -1,5 +1,6 @@
 #include "core/tracer.h"
 
+#include "core/embree.h"
 #include "core/error.h"
 
 #include <fmt/format.h>
@@ -10,69 +11,8 @@
 #include <compare>
 #include <vector>
 
-#if __has_include(<embree4/rtcore.h>)
-#include <embree4/rtcore.h>
-#else
-#include <embree3/rtcore.h>
-#endif
-
 namespace lightgrid {
 namespace {
-
-// Embree 3 and 4 differ in how a query is passed its context; everything else here is the same for both.
-#if RTC_VERSION_MAJOR >= 4
-using QueryContext = RTCRayQueryContext;
-
-void init(QueryContext* context) {
-    rtcInitRayQueryContext(context);
-}
-
-void intersect(RTCScene scene, QueryContext* context, RTCRayHit* ray) {
-    RTCIntersectArguments arguments;
-    rtcInitIntersectArguments(&arguments);
-    arguments.context = context;
-    rtcIntersect1(scene, ray, &arguments);
-}
-
-void intersect(const int* valid, RTCScene scene, QueryContext* context, RTCRayHit8* rays) {
-    RTCIntersectArguments arguments;
-    rtcInitIntersectArguments(&arguments);
-    arguments.context = context;
-    rtcIntersect8(valid, scene, rays, &arguments);
-}
-
-void occluded(RTCScene scene, QueryContext* context, RTCRay* ray) {
-    RTCOccludedArguments arguments;
-    rtcInitOccludedArguments(&arguments);
-    arguments.context = context;
-    rtcOccluded1(scene, ray, &arguments);
-}
-
-void occluded(const int* valid, RTCScene scene, QueryContext* context, RTCRay8* rays) {
-    RTCOccludedArguments arguments;
-    rtcInitOccludedArguments(&arguments);
-    arguments.context = context;
-    rtcOccluded8(valid, scene, rays, &arguments);
-}
-#else
-using QueryContext = RTCIntersectContext;
-
-void init(QueryContext* context) {
-    rtcInitIntersectContext(context);
-}
-void intersect(RTCScene scene, QueryContext* context, RTCRayHit* ray) {
-    rtcIntersect1(scene, context, ray);
-}
-void intersect(const int* valid, RTCScene scene, QueryContext* context, RTCRayHit8* rays) {
-    rtcIntersect8(valid, scene, context, rays);
-}
-void occluded(RTCScene scene, QueryContext* context, RTCRay* ray) {
-    rtcOccluded1(scene, context, ray);
-}
-void occluded(const int* valid, RTCScene scene, QueryContext* context, RTCRay8* rays) {
-    rtcOccluded8(valid, scene, context, rays);
-}
-#endif
 
 /// Rays that Embree is given at once.
 constexpr std::size_t packet_size = 8;
@@ -156,8 +96,8 @@ struct ClosestRay {
 
 /// Of one ray or a packet.
 struct ClosestQuery {
-    QueryContext context;  // first: Embree hands this address to the filters
-    ClosestRay* rays;      // by RTCRay::id
+    embree::QueryContext context;  // first: Embree hands this address to the filters
+    ClosestRay* rays;              // by RTCRay::id
 };
 
 void filter_closest(const RTCFilterFunctionNArguments* args) {
@@ -208,8 +148,8 @@ struct ShadowRay {
 
 /// Of one ray or a packet.
 struct ShadowQuery {
-    QueryContext context;  // first: Embree hands this address to the filters
-    ShadowRay* rays;       // by RTCRay::id
+    embree::QueryContext context;  // first: Embree hands this address to the filters
+    ShadowRay* rays;               // by RTCRay::id
 };
 
 void filter_shadow(const RTCFilterFunctionNArguments* args) {
@@ -464,7 +404,7 @@ Hit Tracer::closest_hit(glm::vec3 origin, glm::vec3 direction, float max_distanc
     ClosestRay state;
     state.max_distance = max_distance;
     ClosestQuery query;
-    init(&query.context);
+    embree::init(query.context);
     query.rays = &state;
     float start = ray_start;
     if (behind.found()) {
@@ -475,7 +415,7 @@ Hit Tracer::closest_hit(glm::vec3 origin, glm::vec3 direction, float max_distanc
     ray.ray = {origin.x, origin.y, origin.z, start, direction.x, direction.y, direction.z, 0, max_distance, ~0U, 0, 0};
     ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    intersect(impl_->root.get(), &query.context, &ray);
+    embree::intersect(impl_->root.get(), query.context, ray);
     if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
     return impl_->hit({ray.hit.instID[0], ray.hit.geomID, ray.hit.primID}, ray.ray.tfar, {ray.hit.u, ray.hit.v},
                       {ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z});
@@ -486,7 +426,7 @@ void Tracer::closest_hits(glm::vec3 origin, std::span<const glm::vec3> direction
         const std::size_t count = std::min(packet_size, directions.size() - first);
         std::array<ClosestRay, packet_size> states;
         ClosestQuery query;
-        init(&query.context);
+        embree::init(query.context);
         query.rays = states.data();
         RTCRayHit8 rays;
         for (std::size_t i = 0; i < count; ++i) {
@@ -495,7 +435,7 @@ void Tracer::closest_hits(glm::vec3 origin, std::span<const glm::vec3> direction
             rays.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
         }
         const PacketMask mask(count);
-        intersect(mask.valid.data(), impl_->root.get(), &query.context, &rays);
+        embree::intersect(mask.valid.data(), impl_->root.get(), query.context, rays);
         for (std::size_t i = 0; i < count; ++i) {
             const auto& hit = rays.hit;
             hits[first + i] = hit.geomID[i] == RTC_INVALID_GEOMETRY_ID
@@ -543,11 +483,11 @@ glm::vec3 Tracer::transmittance(glm::vec3 origin, glm::vec3 direction, float max
     ShadowRay state;
     state.max_distance = max_distance;
     ShadowQuery query;
-    init(&query.context);
+    embree::init(query.context);
     query.rays = &state;
     RTCRay ray{origin.x,    origin.y, origin.z,     ray_start, direction.x, direction.y,
                direction.z, 0,        max_distance, ~0U,       0,           0};
-    occluded(impl_->root.get(), &query.context, &ray);
+    embree::occluded(impl_->root.get(), query.context, ray);
     return ray.tfar < 0 ? glm::vec3(0) : state.transmittance;
 }
 
@@ -556,7 +496,7 @@ void Tracer::transmittances(glm::vec3 origin, std::span<const Way> ways, std::sp
         const std::size_t count = std::min(packet_size, ways.size() - first);
         std::array<ShadowRay, packet_size> states;
         ShadowQuery query;
-        init(&query.context);
+        embree::init(query.context);
         query.rays = states.data();
         RTCRay8 rays;
         for (std::size_t i = 0; i < count; ++i) {
@@ -565,7 +505,7 @@ void Tracer::transmittances(glm::vec3 origin, std::span<const Way> ways, std::sp
             set_ray(rays, i, origin, way.direction, way.max_distance);
         }
         const PacketMask mask(count);
-        occluded(mask.valid.data(), impl_->root.get(), &query.context, &rays);
+        embree::occluded(mask.valid.data(), impl_->root.get(), query.context, rays);
         for (std::size_t i = 0; i < count; ++i) {
             shares[first + i] = rays.tfar[i] < 0 ? glm::vec3(0) : states[i].transmittance;
         }

@@ -92,7 +92,7 @@ std::string in_part(const Imf::Header& header) {
 }
 
 template <typename Attribute>
-const auto& attribute(const Imf::Header& header, const std::string& name) {
+const auto& attribute(const Imf::Header& header, const char* name) {
     const auto* found = header.findTypedAttribute<Attribute>(name);
     if (found == nullptr) {
         throw Error(fmt::format("attribute \"{}\" is missing or of another type", name), in_part(header));
@@ -147,10 +147,10 @@ Volume read_header(const Imf::Header& header) {
     const int grids = attribute<Imf::IntAttribute>(header, grids_attribute);
     for (int g = 0; g < grids; ++g) {  // ends at the first that is missing, whatever the number says
         const auto vector = [&](const char* what) {
-            const Imath::V3d v = attribute<Imf::V3dAttribute>(header, grid_attribute(g, what));
+            const Imath::V3d v = attribute<Imf::V3dAttribute>(header, grid_attribute(g, what).c_str());
             return glm::dvec3(v.x, v.y, v.z);
         };
-        const Imath::V3i counts = attribute<Imf::V3iAttribute>(header, grid_attribute(g, "counts"));
+        const Imath::V3i counts = attribute<Imf::V3iAttribute>(header, grid_attribute(g, "counts").c_str());
         volume.grids.push_back({vector("origin"), vector("spacing"), {counts.x, counts.y, counts.z}});
     }
     for (const std::string& setting : attribute<Imf::StringVectorAttribute>(header, settings_attribute)) {

@@ -1,12 +1,7 @@
 #pragma once
 
+#include "core/embree.h"
 #include "core/scene.h"
-
-#if __has_include(<embree4/rtcore.h>)
-#include <embree4/rtcore.h>
-#else
-#include <embree3/rtcore.h>
-#endif
 
 #include <limits>
 #include <vector>
@@ -42,14 +37,10 @@ class RawScene {
         RTCRayHit query;
         query.ray = {origin.x, origin.y, origin.z, 0, direction.x, direction.y, direction.z, 0, infinity, ~0U, 0, 0};
         query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-#if RTC_VERSION_MAJOR >= 4
-        rtcIntersect1(root_, &query);
-#else
         query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-        RTCIntersectContext context;
-        rtcInitIntersectContext(&context);
-        rtcIntersect1(root_, &context, &query);
-#endif
+        embree::QueryContext context;
+        embree::init(context);
+        embree::intersect(root_, context, query);
         return query.hit.geomID != RTC_INVALID_GEOMETRY_ID;
     }
 
