@@ -108,6 +108,33 @@ void note_clamped_albedo(const Scene& scene, const LoadedMaterials& materials, N
                         fmt::format("its albedo is clamped to {:.4f}, so that light dies away", max_albedo));
 }
 
+/// Whether a node has a mesh of its own that is no marker, to be seen or not.
+bool has_mesh(const tinygltf::Node& node) {
+    const Marker marker = marker_of(node);
+    return node.mesh >= 0 && marker != Marker::volume && marker != Marker::probe;
+}
+
+/// Nodes with meshes or lights that are no part of the level because its author or user says so.
+void list_hidden(const Document& document, const Placement& placement, Scene& scene) {
+    const auto list = [&](const std::vector<PlacedNode>& nodes, const char* what, const char* evidence,
+                          const auto& is_hidden) {
+        const auto count = std::count_if(nodes.begin(), nodes.end(), [&](const PlacedNode& node) {
+            const tinygltf::Node& source = document.node(node.index);
+            return is_hidden(node) &&
+                   (has_mesh(source) || find_extension(source.extensions, "KHR_lights_punctual") != nullptr);
+        });
+        if (count > 0) scene.left_out.push_back({what, evidence, fmt::format("{} nodes", count)});
+    };
+    list(placement.ignored, "ignored nodes", "--ignore or extras {\"lightgrid\": \"ignore\"} name them or a parent",
+         [](const PlacedNode&) { return true; });
+    list(placement.nodes, "hidden nodes", "KHR_node_visibility hides them or a parent",
+         [](const PlacedNode& node) { return node.hidden; });
+    list(placement.nodes, "vanished nodes", "they or a parent are scaled to 0 along all axes",
+         [&](const PlacedNode& node) {
+             return !node.hidden && document.node(node.index).skin < 0 && is_scaled_away(node.transform);
+         });
+}
+
 double megabytes(std::size_t bytes) {
     return static_cast<double>(bytes) * 1e-6;
 }
@@ -153,12 +180,21 @@ Scene read_scene(const Document& document, const LoadOptions& options) {
     check_extensions(document, notices);
     const int chosen = choose_scene(document, options.scene);
     if (chosen < 0) notices.add("", "the file has no scene: all its nodes are the level");
-    const std::vector<PlacedNode> nodes = place_nodes(document, chosen, scene.groups);
+    Placement placement = place_nodes(document, chosen, options.ignore);
+    const std::vector<PlacedNode>& nodes = placement.nodes;
+    scene.groups = std::move(placement.groups);
+    list_hidden(document, placement, scene);
     std::vector<std::optional<glm::dmat4>> node_transforms(document.model().nodes.size());
-    for (const PlacedNode& node : nodes) node_transforms[static_cast<std::size_t>(node.index)] = node.transform;
+    for (const std::vector<PlacedNode>* placed : {&placement.nodes, &placement.ignored})
+        for (const PlacedNode& node : *placed) node_transforms[static_cast<std::size_t>(node.index)] = node.transform;
     read_markers(document, nodes, scene, notices);
 
     const std::vector<Shape> shapes = find_shapes(document, nodes);
+    if (shapes.empty() && !options.ignore.empty() &&
+        std::any_of(placement.ignored.begin(), placement.ignored.end(),
+                    [&](const PlacedNode& node) { return has_mesh(document.node(node.index)); }))
+        throw Error("nothing is left of the level: every mesh is to be left out", "",
+                    "Give names that fit fewer nodes.");
     const LoadedMaterials materials = load_used_materials(document, shapes, scene, notices);
     std::vector<Part> parts = load_parts(document, shapes, materials, scene, node_transforms, notices);
     note_repairs(document, parts, notices);

@@ -3,11 +3,16 @@
 #include "core/scene.h"
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 namespace lightgrid {
 
 struct LoadOptions {
     int scene = -1;  // index of the glTF scene; -1: the file's default, else the first
+    // Patterns as shells know them (*, ?, [a-z]) of nodes to leave out with all below them: of a node's name, or of its
+    // mesh's where it has none. One that fits no node is an Error that names the nearest.
+    std::vector<std::string> ignore;
 };
 
 /// Reads a level from glTF 2.0: .gltf or .glb, recognised by content, with data URIs or files beside it.
@@ -15,6 +20,10 @@ struct LoadOptions {
 /// Nodes       transforms compose in double; a negative determinant turns the winding, so that front stays front. A
 ///             mesh that stands several times becomes instances, never copies: by several nodes or by
 ///             EXT_mesh_gpu_instancing.
+/// Left out    nodes with extras {"lightgrid": "ignore"} or a name that LoadOptions::ignore fits, and all below them.
+/// Hidden      nodes that KHR_node_visibility hides, themselves or by a parent, and nodes whose three axes are scaled to
+///             nothing: neither their meshes nor their lights are part of the level. Skins follow their joints, and
+///             markers count also where they are hidden.
 /// Geometry    every triangle mode, indexed or not; sparse, interleaved, quantised (KHR_mesh_quantization), packed
 ///             (EXT_meshopt_compression, KHR_draco_mesh_compression); skins and morph targets as they stand at rest.
 ///             Points and lines are no part of the level; triangles without area are dropped.

@@ -13,6 +13,7 @@
 #include "probes/volume_file.h"
 #include "tools/bake_report.h"
 #include "tools/csv.h"
+#include "tools/level_options.h"
 #include "tools/light_options.h"
 #include "tools/program.h"
 #include "tools/progress.h"
@@ -39,7 +40,7 @@ namespace fs = std::filesystem;
 struct Call {
     std::string level;
     std::string output;
-    int scene = -1;
+    LevelOptions level_options;
     LightOptions light;
     std::optional<double> spacing;
     std::vector<std::string> volumes;
@@ -81,9 +82,7 @@ void add_options(CLI::App& app, Call& call) {
         ->type_name("LEVEL");
     app.add_option("-o,--output", call.output, "Where the volume goes (default: LEVEL's name + .probes.exr, here)")
         ->type_name("FILE");
-    app.add_option("--scene", call.scene, "Which of the file's scenes (default: the file's own choice)")
-        ->type_name("N")
-        ->check(number(0, std::numeric_limits<int>::max(), true));
+    add_level_options(app, call.level_options);
     add_light_options(app, call.light);
 
     const char* where = "Where";
@@ -166,6 +165,9 @@ void check(const Call& call) {
     }
     if (call.level.empty() && call.light.environment.empty() && call.light.sky.empty() && call.light.sun_sky.empty()) {
         wrong.emplace_back("no LEVEL: name a .gltf or .glb file, or an --environment");
+    }
+    if (const std::vector<std::string> names = names_of(call.level_options); call.level.empty() && !names.empty()) {
+        wrong.push_back(fmt::format("no LEVEL that {} could be for", fmt::join(names, ", ")));
     }
     if (!call.keep_transport.empty() && !call.target.time_budget.empty()) {
         wrong.emplace_back("--keep-transport excludes --time-budget: it keeps what was traced, whatever that takes");
@@ -317,7 +319,7 @@ int bake(const Call& call) {
     Stopwatch watch;
     const ChosenLight light = choose_light(call.light);
     options.environment = light.description;
-    const Scene scene = call.level.empty() ? empty_scene() : load_level(call.level, {call.scene});
+    const Scene scene = call.level.empty() ? empty_scene() : load_level(call.level, load_options(call.level_options));
     std::vector<Stage> stages{{"load", watch.lap(), 0}};
     const LayerChoice choice = parse_layers(call.layers);
     const LayersPlan layers = plan_layers(choice, scene, light.environment);
@@ -371,6 +373,7 @@ int bake(const Call& call) {
         save_transport(*result.kept, call.keep_transport);
         result.stages.push_back({"keep", watch.lap(), 0});
     }
+    record(call.level_options, result.volume);
     save_volume(result.volume, output);
     result.stages.push_back({"save", watch.lap(), 0});
 

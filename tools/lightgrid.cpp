@@ -91,7 +91,7 @@ void add_reference(CLI::App& program) {
         ->required();
     verb->add_flag("--sh", options->sh, "Coefficients of radiance instead of irradiance");
     add_light_options(*verb, options->light);
-    verb->add_option("--scene", options->scene, "Which of the file's scenes (default: the file's own choice)");
+    add_level_options(*verb, options->level_options);
     verb->add_option("--samples", options->samples, "Gather rays per point, all replicates together")
         ->check(CLI::PositiveNumber)
         ->capture_default_str();
@@ -127,7 +127,7 @@ void add_draw(CLI::App& program) {
     verb->add_option("--width", options->width, "Pixels across")->check(CLI::Range(320, 8192))->capture_default_str();
     verb->add_option("--report", options->report, "Report of level-bake (--report-json): draws error against time");
     add_light_options(*verb, options->light);
-    verb->add_option("--scene", options->scene, "Which of the file's scenes (default: the file's own choice)");
+    add_level_options(*verb, options->level_options);
     verb->callback([options, at] {
         if (!at->empty()) options->at = glm::dvec3((*at)[0], (*at)[1], (*at)[2]);
         run_draw(*options);

@@ -1,6 +1,7 @@
 #include "tools/program.h"
 
 #include "core/error.h"
+#include "core/near_names.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -31,32 +32,11 @@ void print_message(const std::string& name, const char* color, std::string_view 
     fmt::print(stderr, "{}{}:{} {}\n", colored ? color : "", name, colored ? "\x1b[0m" : "", message);
 }
 
-// Insertions, deletions, replacements and swaps of neighbours that turn a into b.
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-    std::vector<std::vector<std::size_t>> edits(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
-    for (std::size_t i = 0; i <= a.size(); ++i) {
-        for (std::size_t j = 0; j <= b.size(); ++j) {
-            if (i == 0 || j == 0) {
-                edits[i][j] = i + j;
-                continue;
-            }
-            const std::size_t replaced = edits[i - 1][j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1);
-            edits[i][j] = std::min({edits[i - 1][j] + 1, edits[i][j - 1] + 1, replaced});
-            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) {
-                edits[i][j] = std::min(edits[i][j], edits[i - 2][j - 2] + 1);
-            }
-        }
-    }
-    return edits.back().back();
-}
-
 std::string suggestion(const std::string& wrong, const std::vector<std::string>& known) {
-    const auto nearest = std::min_element(known.begin(), known.end(), [&](const auto& a, const auto& b) {
-        return edit_distance(wrong, a) < edit_distance(wrong, b);
-    });
+    const std::vector<std::string> nearest = nearest_names(wrong, known, 1);
     // A third of the letters wrong is a slip of the finger; more is another word.
-    if (nearest == known.end() || edit_distance(wrong, *nearest) * 3 > wrong.size()) return {};
-    return fmt::format(" (did you mean {}?)", *nearest);
+    if (nearest.empty() || edit_distance(wrong, nearest[0]) * 3 > wrong.size()) return {};
+    return fmt::format(" (did you mean {}?)", nearest[0]);
 }
 
 std::vector<std::string> long_options(const CLI::App& app) {

@@ -52,7 +52,7 @@ void run_draw(const DrawOptions& options) {
     pictures.at = options.at.value_or(box.min + glm::dvec3(0.5, 0.4, 0.5) * box.size());
     const ChosenLight light = choose_light(options.light);
 
-    const Scene scene = load_level(options.level, {options.scene});
+    const Scene scene = load_level(options.level, load_options(with_recorded(options.level_options, volume)));
     const Tracer tracer(scene);
     const Sampler sampler(volume);
     const double spacing = finest_spacing(volume);

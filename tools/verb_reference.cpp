@@ -55,7 +55,7 @@ void run_reference(const ReferenceOptions& options) {
     const ThreadLimit threads(options.threads);
     const ChosenLight light = choose_light(options.light);
     for (const std::string& notice : light.notices) warn("lightgrid", notice);
-    const Scene scene = load_level(options.level, {options.scene});
+    const Scene scene = load_level(options.level, load_options(options.level_options));
     for (const std::string& notice : scene.notices) warn("lightgrid", notice);
     const Points points = read_points(options.points);
     const Tracer tracer(scene);

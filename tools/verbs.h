@@ -1,5 +1,6 @@
 #pragma once
 
+#include "tools/level_options.h"
 #include "tools/light_options.h"
 
 #include <glm/glm.hpp>
@@ -33,7 +34,7 @@ struct ReferenceOptions {
     std::string level;
     std::string points;  // CSV; "-": standard input
     bool sh = false;     // coefficients instead of irradiance
-    int scene = -1;
+    LevelOptions level_options;
     LightOptions light;
     std::uint32_t samples = 32768;  // gather rays per point
     int bands = 3;
@@ -47,7 +48,7 @@ struct DrawOptions {
     std::string level;
     std::string volume;
     std::string folder = ".";
-    int scene = -1;                    // -1: the file's own choice
+    LevelOptions level_options;        // beyond those that the volume was baked with
     LightOptions light;                // what is around the level; the light on it is the volume's
     std::optional<glm::dvec3> at;      // where slices and cuts go through; none: the volume's middle
     std::vector<double> camera;        // eye and target; empty: found

@@ -6,6 +6,7 @@
 #include "probes/bake.h"
 #include "probes/gather.h"
 #include "probes/volume_file.h"
+#include "tools/level_options.h"
 #include "tools/light_options.h"
 #include "tools/program.h"
 #include "viewer/controls.h"
@@ -37,7 +38,7 @@ namespace fs = std::filesystem;
 struct Call {
     std::string level;
     std::string volume;
-    int scene = -1;
+    LevelOptions level_options;
     LightOptions light;
     std::string object = "sphere";
     std::string path;
@@ -95,9 +96,7 @@ void add_options(CLI::App& app, Call& call) {
         ->type_name("LEVEL");
     app.add_option("volume", call.volume, "Its light, as level-bake wrote it; none: a quick one is baked")
         ->type_name("VOLUME");
-    app.add_option("--scene", call.scene, "Which of the file's scenes (default: the file's own choice)")
-        ->type_name("N")
-        ->check(number(0, std::numeric_limits<int>::max(), true));
+    add_level_options(app, call.level_options);
     app.add_option("--object", call.object, "What flies through: sphere, bunny, or a .glb, .gltf or .obj file")
         ->type_name("OBJECT")
         ->capture_default_str();
@@ -145,7 +144,9 @@ void check(const Call& call) {
     if (call.level.empty() && !has_light) {
         wrong.emplace_back("no LEVEL: name a .gltf or .glb file, or an --environment to look at alone");
     }
-    if (call.level.empty() && call.scene >= 0) wrong.emplace_back("--scene belongs to a LEVEL");
+    if (call.level.empty()) {
+        for (const std::string& name : names_of(call.level_options)) wrong.push_back(name + " belongs to a LEVEL");
+    }
     if (!call.level.empty() && call.samples) wrong.emplace_back("--samples is for an --environment without a LEVEL");
     if (call.headless && call.out.empty()) wrong.emplace_back("--headless needs a folder for its pictures: --out DIR");
     if (!call.headless && !call.out.empty()) wrong.emplace_back("--out belongs to --headless");
@@ -163,8 +164,7 @@ Box bounds_of_cells(const Volume& volume) {
 }
 
 /// A volume of another level is told apart by its place, and suspected by its name.
-Volume load_volume_of(const Scene& scene, const std::string& path) {
-    Volume volume = load_volume(path);
+void check_volume_of(const Scene& scene, const Volume& volume, const std::string& path) {
     if (!volume.has_cells()) {
         throw Error("is a probe list: it has no cells to look light up in", path, "Bake a volume with a grid");
     }
@@ -178,7 +178,6 @@ Volume load_volume_of(const Scene& scene, const std::string& path) {
     if (level != volume.settings.end() && level->second != scene.name) {
         warn("fly-through", fmt::format("{}: was baked for {}, and this is {}", path, level->second, scene.name));
     }
-    return volume;
 }
 
 Volume bake_quickly(const PathTracer& paths, const ChosenLight& light, bool quiet) {
@@ -335,11 +334,17 @@ int run(const Call& call) {
         return 0;
     }
 
-    const Scene scene = load_level(call.level, {call.scene});
+    Scene scene;
+    LevelOptions level_options = call.level_options;
     std::optional<VolumeWatch> watch;
     std::optional<Volume> volume;
-    if (!call.volume.empty()) watch.emplace(call.volume, scene);
-    if (!call.volume.empty()) volume = load_volume_of(scene, call.volume);
+    if (!call.volume.empty()) {
+        watch.emplace(call.volume, scene);
+        volume = load_volume(call.volume);
+        level_options = with_recorded(std::move(level_options), *volume);
+    }
+    scene = load_level(call.level, load_options(level_options));
+    if (volume) check_volume_of(scene, *volume, call.volume);
     const Tracer tracer(scene);
     const PathTracer paths(tracer, light.environment);
     std::shared_ptr<const LitVolume> lit;

@@ -20,6 +20,7 @@ const std::set<std::string> supported = {
     "KHR_materials_transmission",
     "KHR_materials_unlit",
     "KHR_mesh_quantization",
+    "KHR_node_visibility",
     "KHR_texture_transform",
 };
 

@@ -48,7 +48,7 @@ void read_lights(const Document& document, const std::vector<PlacedNode>& nodes,
     for (const PlacedNode& placed : nodes) {
         const tinygltf::Node& node = document.node(placed.index);
         const tinygltf::Value* extension = find_extension(node.extensions, "KHR_lights_punctual");
-        if (extension == nullptr) continue;
+        if (extension == nullptr || placed.hidden || is_scaled_away(placed.transform)) continue;
         const std::string place = document.node_name(placed.index);
         try {
             const tinygltf::Light& source = document.light(extension->Get("light").GetNumberAsInt());

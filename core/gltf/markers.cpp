@@ -24,7 +24,9 @@ std::vector<glm::vec3> vertices_of(const Document& document, const tinygltf::Nod
 
 Marker marker_of(const tinygltf::Node& node) {
     if (!node.extras.Has("lightgrid") || !node.extras.Get("lightgrid").IsString()) return Marker::none;
-    return node.extras.Get("lightgrid").Get<std::string>() == "volume" ? Marker::volume : Marker::probe;
+    const auto& name = node.extras.Get("lightgrid").Get<std::string>();
+    if (name == "ignore") return Marker::ignore;
+    return name == "volume" ? Marker::volume : Marker::probe;
 }
 
 std::string group_name_of(const tinygltf::Node& node) {
@@ -38,6 +40,10 @@ void read_markers(const Document& document, const std::vector<PlacedNode>& nodes
         const Marker marker = marker_of(node);
         if (marker == Marker::probe) scene.probe_markers.emplace_back(placed.transform[3]);
         if (marker != Marker::volume) continue;
+        if (is_scaled_away(placed.transform)) {
+            notices.add(document.node_name(placed.index), "marks a volume, but is scaled to nothing");
+            continue;
+        }
         Box box;
         for (const glm::vec3& vertex : vertices_of(document, node))
             box.extend(placed.transform * glm::dvec4(vertex, 1));

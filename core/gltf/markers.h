@@ -9,9 +9,9 @@
 
 namespace lightgrid::gltf {
 
-/// What an artist marked a node as, by extras {"lightgrid": "volume"} or {"lightgrid": "probe"}. The mesh of a marked
-/// node is not part of the level.
-enum class Marker { none, volume, probe };
+/// What an artist marked a node as, by extras {"lightgrid": "volume"}, "probe" or "ignore". The mesh of a marked node is
+/// not part of the level; with "ignore", nothing below the node is either.
+enum class Marker { none, volume, probe, ignore };
 
 [[nodiscard]] Marker marker_of(const tinygltf::Node& node);
 

@@ -3,6 +3,7 @@
 #include "core/error.h"
 #include "core/gltf/accessors.h"
 #include "core/gltf/markers.h"
+#include "core/near_names.h"
 
 #include <fmt/format.h>
 #include <glm/gtc/matrix_transform.hpp>
@@ -11,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fnmatch.h>
 #include <string>
 
 namespace lightgrid::gltf {
@@ -62,7 +64,59 @@ int group_of(const tinygltf::Node& node, int parent, std::vector<std::string>& g
     return index;
 }
 
+bool is_visible(const tinygltf::Node& node) {
+    const tinygltf::Value* visibility = find_extension(node.extensions, "KHR_node_visibility");
+    return visibility == nullptr || !visibility->Has("visible") || visibility->Get("visible").Get<bool>();
+}
+
+/// Patterns that say which nodes to leave out, and whether each fitted any.
+class Patterns {
+  public:
+    explicit Patterns(const std::vector<std::string>& patterns) : patterns_(patterns), fitted_(patterns.size()) {}
+
+    /// To be called with the names of all nodes of a scene.
+    bool fit(const std::string& name) {
+        bool any = false;
+        for (std::size_t i = 0; i < patterns_.size(); ++i) {
+            if (fnmatch(patterns_[i].c_str(), name.c_str(), 0) != 0) continue;
+            fitted_[i] = true;
+            any = true;
+        }
+        if (!patterns_.empty() && !name.empty()) names_.push_back(name);
+        return any;
+    }
+
+    void require_all_fitted() const {
+        std::vector<std::string> problems;
+        for (std::size_t i = 0; i < patterns_.size(); ++i) {
+            if (fitted_[i]) continue;
+            const std::vector<std::string> nearest = nearest_names(patterns_[i], names_, 5);
+            problems.push_back(fmt::format(
+                "no node's name fits \"{}\", which is to be left out{}", patterns_[i],
+                nearest.empty() ? "" : fmt::format(" (the nearest names: \"{}\")", fmt::join(nearest, "\", \""))));
+        }
+        if (!problems.empty())
+            throw Error(fmt::format("{}", fmt::join(problems, "; ")), "", "Give names of nodes, * for any letters.");
+    }
+
+  private:
+    const std::vector<std::string>& patterns_;
+    std::vector<bool> fitted_;
+    std::vector<std::string> names_;
+};
+
 }  // namespace
+
+bool is_scaled_away(const glm::dmat4& transform) noexcept {
+    constexpr double nothing = 1e-30;  // squared: rounding leaves up to 1e-16 of products that should be 0
+    const glm::dmat3 axes(transform);
+    return glm::dot(axes[0], axes[0]) + glm::dot(axes[1], axes[1]) + glm::dot(axes[2], axes[2]) < nothing;
+}
+
+const std::string& ignorable_name(const Document& document, const tinygltf::Node& node) {
+    if (!node.name.empty() || node.mesh < 0) return node.name;
+    return document.model().meshes[static_cast<std::size_t>(node.mesh)].name;
+}
 
 int choose_scene(const Document& document, int wanted) {
     const std::vector<tinygltf::Scene>& scenes = document.model().scenes;
@@ -76,33 +130,44 @@ int choose_scene(const Document& document, int wanted) {
     throw Error(fmt::format("scene {} is asked for, but the file has: {}", wanted, list), "", "Choose one of them.");
 }
 
-std::vector<PlacedNode> place_nodes(const Document& document, int scene, std::vector<std::string>& groups) {
+Placement place_nodes(const Document& document, int scene, const std::vector<std::string>& ignore) {
     struct Waiting {
         int index;
-        glm::dmat4 parent;
-        int group;
+        glm::dmat4 parent{1};
+        int group = -1;
+        bool hidden = false;
+        bool ignored = false;
     };
     std::vector<Waiting> waiting;
-    const auto add_backwards = [&](const std::vector<int>& nodes, const glm::dmat4& parent, int group) {
-        for (auto node = nodes.rbegin(); node != nodes.rend(); ++node) waiting.push_back({*node, parent, group});
+    const auto add_backwards = [&](const std::vector<int>& nodes, Waiting with) {
+        for (auto node = nodes.rbegin(); node != nodes.rend(); ++node) {
+            with.index = *node;
+            waiting.push_back(with);
+        }
     };
-    add_backwards(scene < 0 ? roots_of_file(document.model()) : document.scene(scene).nodes, glm::dmat4(1), -1);
+    add_backwards(scene < 0 ? roots_of_file(document.model()) : document.scene(scene).nodes, {});
 
     // Each node has one parent, and roots have none: check_links has seen to it, so this ends.
-    std::vector<PlacedNode> placed;
+    Placement placement;
+    Patterns patterns(ignore);
     while (!waiting.empty()) {
         const Waiting next = waiting.back();
         waiting.pop_back();
         const tinygltf::Node& node = document.node(next.index);
         const Local local = local_transform(node);
-        placed.push_back({next.index, next.parent * local.transform, next.parent * local.unscaled,
-                          group_of(node, next.group, groups)});
-        if (!is_finite(placed.back().transform))
+        const bool fits = patterns.fit(ignorable_name(document, node));
+        const bool ignored = next.ignored || fits || marker_of(node) == Marker::ignore;
+        const PlacedNode placed{next.index, next.parent * local.transform, next.parent * local.unscaled,
+                                ignored ? -1 : group_of(node, next.group, placement.groups),
+                                next.hidden || !is_visible(node)};
+        if (!is_finite(placed.transform))
             throw Error("its transform is not finite", document.node_name(next.index),
                         "Check its scale and its parents'.");
-        add_backwards(node.children, placed.back().transform, placed.back().group);
+        (ignored ? placement.ignored : placement.nodes).push_back(placed);
+        add_backwards(node.children, {-1, placed.transform, placed.group, placed.hidden, ignored});
     }
-    return placed;
+    patterns.require_all_fitted();
+    return placement;
 }
 
 std::vector<glm::dmat4> transforms_of(const Document& document, const PlacedNode& placed) {

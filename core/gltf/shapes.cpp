@@ -38,7 +38,7 @@ std::vector<Shape> find_shapes(const Document& document, const std::vector<Place
     std::map<Shape::Key, std::size_t> known;
     for (const PlacedNode& placed : nodes) {
         const tinygltf::Node& node = document.node(placed.index);
-        if (node.mesh < 0 || marker_of(node) != Marker::none) continue;
+        if (placed.hidden || node.mesh < 0 || marker_of(node) != Marker::none) continue;
         const tinygltf::Mesh& mesh = document.mesh(node.mesh);
         const Shape::Key key = key_of(document, placed);
         if (node.skin >= 0 && is_skinned(mesh)) {
@@ -46,6 +46,7 @@ std::vector<Shape> find_shapes(const Document& document, const std::vector<Place
             continue;
         }
         for (const glm::dmat4& transform : transforms_of(document, placed)) {
+            if (is_scaled_away(transform)) continue;
             if (is_flat(glm::dmat3(transform))) {
                 shapes.push_back({key, -1, {transform}});
                 continue;

@@ -492,10 +492,10 @@ std::string group_name_problem(const std::string& name) {
     return "";
 }
 
-/// {"lightgrid": "volume"}, "probe", or {"group": "NAME"}
+/// {"lightgrid": "volume"}, "probe", "ignore", or {"group": "NAME"}
 void check_extras(Check& extras) {
     if (!extras.has_object("lightgrid")) {
-        extras.one_of("lightgrid", {"volume", "probe"});
+        extras.one_of("lightgrid", {"volume", "probe", "ignore"});
         return;
     }
     extras.object("lightgrid", [](Check& c) {
@@ -525,6 +525,7 @@ void check_node(Check& node) {
              c.index("light", "lights");
              c.required("light", 0);
          }},
+        {"KHR_node_visibility", [](Check& c) { c.boolean("visible"); }},
         {"EXT_mesh_gpu_instancing",
          [](Check& c) {
              c.object("attributes", [](Check& attributes) { attributes.all_indices("accessors"); });

@@ -265,6 +265,7 @@ TEST_F(LevelBake, AnswersForHelpAndVersionOnStandardOutput) {
                                "--volume",
                                "--probes",
                                "--scene",
+                               "--ignore",
                                "--max-probes",
                                "--samples",
                                "--max-error",

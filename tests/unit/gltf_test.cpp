@@ -14,13 +14,13 @@ using nlohmann::json;
 
 constexpr float ulp = 1.2e-7F;
 
-Scene load(const std::string& file, const std::string& name = "level.gltf", int scene = -1) {
+Scene load(const std::string& file, const std::string& name = "level.gltf", const LoadOptions& options = {}) {
     const TemporaryFolder folder;
     write_bytes(folder.path() / name, file);
-    return load_level(folder.path() / name, {scene});
+    return load_level(folder.path() / name, options);
 }
-Scene load(const GltfBuilder& builder, int scene = -1) {
-    return load(builder.finished().dump(), "level.gltf", scene);
+Scene load(const GltfBuilder& builder, const LoadOptions& options = {}) {
+    return load(builder.finished().dump(), "level.gltf", options);
 }
 
 std::string error_of(const std::string& file) {
@@ -175,11 +175,11 @@ TEST(Gltf, LoadsTheDefaultSceneOrTheOneAskedFor) {
     builder.json["scenes"] = {{{"nodes", {0}}, {"name", "hall"}}, {{"nodes", {1}}}};
     builder.json["scene"] = 1;
     EXPECT_EQ(load(builder).bounds.min.x, 10);
-    EXPECT_EQ(load(builder, 0).bounds.min.x, 0);
+    EXPECT_EQ(load(builder, {.scene = 0, .ignore = {}}).bounds.min.x, 0);
     builder.json.erase("scene");
     EXPECT_EQ(load(builder).bounds.min.x, 0);
     try {
-        load(builder, 2);
+        load(builder, {.scene = 2, .ignore = {}});
         FAIL();
     } catch (const Error& error) {
         EXPECT_TRUE(contains(error.what(), "scene 2 is asked for, but the file has: 0 \"hall\", 1"));
@@ -820,6 +820,134 @@ TEST(Gltf, MarkersBoundVolumesAndPlaceProbes) {
     EXPECT_TRUE(contains(joined(load(builder).notices), "\"prboe\""));
 }
 
+// What an author or a user leaves out
+
+/// Names of the scene's lights, each with a blank behind.
+std::string lights_of(const Scene& scene) {
+    std::string names;
+    for (const Light& light : scene.lights) names += light.name + " ";
+    return names;
+}
+
+/// Nodes: 0 "yard" (a triangle), 1 "house" {2, 3}, 2 "lamp" (a light), 3 nameless (a mesh "wall", 10 m off); 4 "sun" (a
+/// light). A test changes one of them.
+GltfBuilder yard_and_house(const json& change = {}, std::size_t node = 1) {
+    GltfBuilder builder = triangle();
+    builder.use("KHR_lights_punctual");
+    builder.json["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "spot"}}};
+    const auto light = [&](const char* name) {
+        builder.node({{"name", name}, {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
+    };
+    builder.json["scenes"][0]["nodes"] = {0, 1, 4};
+    builder.json["nodes"][0]["name"] = "yard";
+    builder.node({{"name", "house"}, {"children", {2, 3}}});
+    light("lamp");
+    const int wall = builder.triangle_mesh();
+    builder.json["meshes"][static_cast<std::size_t>(wall)]["name"] = "wall";
+    builder.node({{"mesh", wall}, {"translation", {0, 0, 10}}});
+    light("sun");
+    if (!change.is_null()) builder.json["nodes"][node].merge_patch(change);
+    return builder;
+}
+
+json visible(bool shown) {
+    return {{"extensions", {{"KHR_node_visibility", {{"visible", shown}}}}}};
+}
+
+TEST(Gltf, HiddenNodesAndAllBelowThemNeitherShineNorBlock) {
+    for (const bool required : {false, true}) {
+        GltfBuilder builder = yard_and_house(visible(false));
+        required ? builder.require("KHR_node_visibility") : builder.use("KHR_node_visibility");
+        // What is visible below a hidden node is hidden all the same.
+        builder.json["nodes"][2].merge_patch(visible(true));
+        const Scene scene = load(builder);
+        EXPECT_EQ(lights_of(scene), "sun ");
+        EXPECT_EQ(scene.placed.size(), 1U);
+        EXPECT_EQ(scene.bounds.max.z, 0) << "what is hidden has no part in the bounds";
+        EXPECT_TRUE(leaves_out(scene, "hidden nodes"));
+        EXPECT_FALSE(contains(joined(scene.notices), "KHR_node_visibility"));
+    }
+    EXPECT_EQ(lights_of(load(yard_and_house(visible(true)))), "lamp sun ");
+    EXPECT_EQ(lights_of(load(yard_and_house({{"extensions", {{"KHR_node_visibility", json::object()}}}}))),
+              "lamp sun ");
+    EXPECT_EQ(lights_of(load(yard_and_house(visible(false), 4))), "lamp ");
+    EXPECT_TRUE(contains(error_of(yard_and_house({{"extensions", {{"KHR_node_visibility", {{"visible", 0}}}}}})),
+                         "is not true or false"));
+}
+
+TEST(Gltf, NodesThatAreScaledToNothingAreHiddenAndFlatOnesAreNot) {
+    const json matrix = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 2, 3, 1};
+    for (const json& change : {json{{"scale", {0, 0, 0}}}, json{{"matrix", matrix}}}) {
+        const Scene scene = load(yard_and_house(change));
+        EXPECT_EQ(lights_of(scene), "sun ");
+        EXPECT_EQ(scene.placed.size(), 1U);
+        EXPECT_EQ(scene.bounds.max.z, 0);
+        EXPECT_TRUE(leaves_out(scene, "vanished nodes"));
+    }
+    // A node's own scale hides its light, too.
+    EXPECT_EQ(lights_of(load(yard_and_house({{"scale", {0, 0, 0}}}, 4))), "lamp ");
+    const Scene flat = load(yard_and_house({{"scale", {1, 0, 1}}}));
+    EXPECT_EQ(lights_of(flat), "lamp sun ");
+    EXPECT_FALSE(leaves_out(flat, "vanished nodes"));
+    // Nothing is left of three axes where two nodes take some each.
+    GltfBuilder by_two = yard_and_house({{"scale", {0, 0, 1}}});
+    by_two.json["nodes"][2]["scale"] = {1, 1, 0};
+    EXPECT_EQ(lights_of(load(by_two)), "sun ");
+    // Of many instances, those of no size.
+    GltfBuilder many = triangle();
+    many.use("EXT_mesh_gpu_instancing");
+    const int scales = many.vec3s({{1, 1, 1}, {0, 0, 0}, {2, 2, 2}});
+    const int places = many.vec3s({{0, 0, 0}, {0, 0, 100}, {0, 0, 0}});
+    many.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {{"SCALE", scales},
+                                                                                    {"TRANSLATION", places}};
+    const Scene scene = load(many);
+    EXPECT_EQ(scene.instances.size(), 2U);
+    EXPECT_EQ(scene.bounds.max, glm::dvec3(2, 2, 0));
+}
+
+TEST(Gltf, IgnoredNodesAreLeftOutWithAllBelowThem) {
+    const Scene marked = load(yard_and_house({{"extras", {{"lightgrid", "ignore"}}}}));
+    EXPECT_EQ(lights_of(marked), "sun ");
+    EXPECT_EQ(marked.bounds.max.z, 0);
+    EXPECT_TRUE(leaves_out(marked, "ignored nodes"));
+    const auto ignore = [](std::vector<std::string> patterns) {
+        return load(yard_and_house(), LoadOptions{.ignore = std::move(patterns)});
+    };
+    const Scene named = ignore({"house"});
+    EXPECT_EQ(lights_of(named), "sun ");
+    EXPECT_EQ(named.bounds.max.z, 0);
+    EXPECT_TRUE(leaves_out(named, "ignored nodes"));
+    EXPECT_EQ(lights_of(ignore({"l?mp"})), "sun ");
+    EXPECT_EQ(lights_of(ignore({"s*", "[k-m]amp"})), "");
+    // A nameless node goes by its mesh's name; the pattern has to fit as a whole.
+    EXPECT_EQ(ignore({"wall"}).placed.size(), 1U);
+    EXPECT_EQ(lights_of(ignore({"[lw]a*"})), "sun ");
+}
+
+TEST(Gltf, PatternsThatFitNothingOrLeaveNothingAreRefused) {
+    const auto problem = [](std::vector<std::string> patterns) {
+        try {
+            load(yard_and_house(), LoadOptions{.ignore = std::move(patterns)});
+        } catch (const Error& error) {
+            EXPECT_EQ(error.fault(), Fault::input);
+            return std::string(error.what());
+        }
+        return std::string("no error");
+    };
+    EXPECT_TRUE(contains(problem({"House", "lamp"}),
+                         "no node's name fits \"House\", which is to be left out (the "
+                         "nearest names: \"house\", "));
+    EXPECT_TRUE(contains(problem({"gate", "garden"}), "\"garden\""));
+    EXPECT_TRUE(contains(problem({"*"}), "nothing is left of the level"));
+}
+
+TEST(Gltf, MarkersCountWhereTheyAreHiddenButNotWhereTheyAreIgnored) {
+    GltfBuilder builder = yard_and_house(visible(false));
+    builder.json["nodes"][2]["extras"]["lightgrid"] = "probe";
+    EXPECT_EQ(load(builder).probe_markers.size(), 1U);
+    EXPECT_EQ(load(builder, LoadOptions{.ignore = {"house"}}).probe_markers.size(), 0U);
+}
+
 // Groups of lights
 
 /// Nodes: 0 "hall" {1, 2}, 1 "lamps" (group) {3, 4}, 2 a light, 3 a light, 4 "red" (group) {5}, 5 a light.
@@ -836,6 +964,12 @@ GltfBuilder grouped_lights() {
     builder.node({{"children", {5}}, {"extras", group("red")}});
     light();
     return builder;
+}
+
+TEST(Gltf, GroupsOfIgnoredNodesAreNone) {
+    GltfBuilder builder = grouped_lights();
+    builder.json["nodes"][4]["name"] = "lamp";
+    EXPECT_EQ(load(builder, LoadOptions{.ignore = {"lamp"}}).groups, std::vector<std::string>{"lamps"});
 }
 
 TEST(Gltf, AGroupHoldsBelowItsNodeUpToTheNextGroup) {

@@ -1,0 +1,62 @@
+#include "tools/level_options.h"
+
+#include "core/error.h"
+#include "core/near_names.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace lightgrid {
+namespace {
+
+LevelOptions parsed(std::vector<std::string> arguments) {
+    LevelOptions options;
+    CLI::App app;
+    add_level_options(app, options);
+    std::reverse(arguments.begin(), arguments.end());
+    app.parse(arguments);
+    return options;
+}
+
+TEST(LevelOptions, AreTakenFromAVolumeWhereTheyAreNotGiven) {
+    Volume volume;
+    record(parsed({}), volume);
+    EXPECT_TRUE(volume.settings.empty()) << "what was not given is not written";
+    const std::vector<std::string> odd{"sky=\"dome\", west", "*", ""};
+    record(parsed({"--ignore", odd[0], "--ignore", odd[1], "--ignore", odd[2], "--scene=2"}), volume);
+
+    const LoadOptions same = load_options(with_recorded(parsed({}), volume));
+    EXPECT_EQ(same.ignore, (std::vector<std::string>{odd[0], odd[1]})) << "an empty pattern fits nothing";
+    EXPECT_EQ(same.scene, 2);
+    const LoadOptions given = load_options(with_recorded(parsed({"--ignore", "tree"}), volume));
+    EXPECT_EQ(given.ignore, std::vector<std::string>{"tree"});
+    EXPECT_EQ(given.scene, 2);
+    EXPECT_TRUE(load_options(with_recorded(parsed({"--ignore", ""}), volume)).ignore.empty());
+}
+
+TEST(LevelOptions, SettingsThatDoNotReadAreRefusedByName) {
+    for (const char* wrong : {"dome", "{}", "[1]", "[\"dome\""}) {
+        Volume volume;
+        volume.settings["ignore"] = wrong;
+        try {
+            static_cast<void>(with_recorded({}, volume));
+            ADD_FAILURE() << wrong;
+        } catch (const Error& error) {
+            EXPECT_NE(std::string(error.what()).find("setting \"ignore\""), std::string::npos) << error.what();
+        }
+    }
+}
+
+TEST(NearNames, ThoseThatTakeTheFewestEditsComeFirst) {
+    EXPECT_EQ(edit_distance("dome", "dome"), 0U);
+    EXPECT_EQ(edit_distance("", "dome"), 4U);
+    EXPECT_EQ(edit_distance("doem", "dome"), 1U) << "neighbours that are swapped";
+    EXPECT_EQ(edit_distance("home", "domes"), 2U);
+    EXPECT_EQ(nearest_names("skydoem", {"Tree", "SkyDome", "Sky", "SkyDome"}, 2),
+              (std::vector<std::string>{"SkyDome", "Sky"}));
+    EXPECT_TRUE(nearest_names("dome", {}, 3).empty());
+}
+
+}  // namespace
+}  // namespace lightgrid
