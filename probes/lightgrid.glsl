@@ -9,8 +9,9 @@
 // Positions are metres relative to the `origin` of the packed textures, axes those of the level. Irradiance is in lux,
 // linear Rec.709. lightgrid_light finds what the C++ Sampler finds (probes/sampler.h says what that is), with its weights
 // in float: eight probes by texelFetch, those that are not valid left out; with LIGHTGRID_NEAREST defined, the one of them
-// that weighs most, so that one sees what interpolation is worth. lightgrid_filtered_light reads the plain textures that
-// hardware filters.
+// that weighs most, so that one sees what interpolation is worth. Where no light is known, that of the nearest point which
+// knows one; lightgrid_faded fades it to another light. lightgrid_filtered_light reads the plain textures that hardware
+// filters.
 
 #ifndef LIGHTGRID_BANDS
 #define LIGHTGRID_BANDS 3
@@ -27,6 +28,7 @@
 // VolumeTextures: all that lightgrid_light needs.
 uniform sampler2D lightgrid_grids;
 uniform usampler2D lightgrid_index;
+uniform sampler2D lightgrid_tree;
 uniform sampler3D lightgrid_atlas;
 
 // FilteredTextures: all that lightgrid_filtered_light needs.
@@ -38,16 +40,17 @@ uniform float lightgrid_filtered_gain;
 // SH coefficients of incident radiance, in the order of texels_per_probe.
 struct LightgridLight {
     vec4 texels[LIGHTGRID_TEXELS];
-    float known;  // share of weight that valid probes carried, before renormalisation; 0: no light is known here
+    float known;     // share of weight that valid probes carried, before renormalisation; 0: no valid one is near
+    float distance;  // metres to the nearest point that knows light, which answers; 0 where the position does
 };
 
-// The point of a grid that is nearest to a position.
+// A point in its cell of a grid.
 struct LightgridCell {
-    ivec3 lower;             // probe at the lower corner
-    vec3 share;              // how far it is from there to the upper one
-    float squared_distance;  // from the position; exactly 0 within the grid
-    ivec3 last;              // probe of the grid
-    ivec2 first;             // brick of the grid in the index
+    ivec3 lower;  // probe at the lower corner
+    vec3 share;   // how far it is from there to the upper one
+    bool inside;  // the grid
+    ivec3 last;   // probe of the grid
+    ivec2 first;  // brick of the grid in the index
 };
 
 LightgridCell lightgrid_cell(int grid, vec3 position) {
@@ -61,14 +64,13 @@ LightgridCell lightgrid_cell(int grid, vec3 position) {
     vec3 slack = 2.4e-7f * ((abs(position) + abs(vec3(origin))) * vec3(inverse_spacing) + abs(exact));
     vec3 inside = clamp(exact, vec3(0.0f), last);
     vec3 beyond = abs(exact - inside);
-    beyond *= vec3(greaterThan(beyond, slack)) / vec3(inverse_spacing);
     vec3 nearest = floor(inside + 0.5f);
     inside = mix(inside, nearest, vec3(lessThanEqual(abs(inside - nearest), slack)));
 
     LightgridCell cell;
     cell.lower = ivec3(inside);
     cell.share = inside - vec3(cell.lower);
-    cell.squared_distance = dot(beyond, beyond);
+    cell.inside = all(lessThanEqual(beyond, slack));
     cell.last = ivec3(last);
     cell.first = ivec2(int(origin.w), int(inverse_spacing.w));
     return cell;
@@ -78,6 +80,7 @@ LightgridLight lightgrid_black() {
     LightgridLight black;
     for (int t = 0; t < LIGHTGRID_TEXELS; ++t) black.texels[t] = vec4(0.0f);
     black.known = 0.0f;
+    black.distance = 0.0f;
     return black;
 }
 
@@ -127,31 +130,113 @@ LightgridLight lightgrid_sum(LightgridCell cell, float state) {
     return sum;
 }
 
-// The finest grid that knows an answer gives it; outside of all grids, the nearest point of the nearest one. Where no
-// probe around is valid, filled ones answer.
-LightgridLight lightgrid_light(vec3 position) {
-    int grids = textureSize(lightgrid_grids, 0).y;
-    LightgridCell nearest = lightgrid_cell(0, position);
-    for (int grid = 1; grid < grids; ++grid) {
-        LightgridCell cell = lightgrid_cell(grid, position);
-        if (cell.squared_distance < nearest.squared_distance) nearest = cell;
-    }
-    bool outside = nearest.squared_distance > 0.0f;
-    int turns = outside ? 1 : grids;
+LightgridLight lightgrid_renormalised(LightgridLight sum) {
+    for (int t = 0; t < LIGHTGRID_TEXELS; ++t) sum.texels[t] /= sum.known;
+    return sum;
+}
 
-    LightgridLight light = lightgrid_black();
-    for (int turn = 0; turn < 2 * turns && light.known == 0.0f; ++turn) {
-        LightgridCell cell = nearest;
-        if (turns > 1) cell = lightgrid_cell(turn % turns, position);
-        if (outside || cell.squared_distance == 0.0f) light = lightgrid_sum(cell, turn < turns ? 2.0f : 1.0f);
+// The finest grid that knows an answer gives it. Where no probe around is valid, filled ones answer. Where nothing does,
+// `known` is negative.
+LightgridLight lightgrid_light_within(vec3 position) {
+    int grids = textureSize(lightgrid_grids, 0).y;
+    for (int turn = 0; turn < 2 * grids; ++turn) {
+        LightgridCell cell = lightgrid_cell(turn % grids, position);
+        if (!cell.inside) continue;
+        LightgridLight light = lightgrid_sum(cell, turn < grids ? 2.0f : 1.0f);
         if (light.known > 0.0f) {
-            for (int t = 0; t < LIGHTGRID_TEXELS; ++t) light.texels[t] /= light.known;
-            if (turn >= turns) {
-                light.known = 0.0f;
-                break;
-            }
+            light = lightgrid_renormalised(light);
+            if (turn >= grids) light.known = 0.0f;
+            return light;
         }
     }
+    LightgridLight nothing = lightgrid_black();
+    nothing.known = -1.0f;
+    return nothing;
+}
+
+// A node in the tree of boxes of cells that know light.
+struct LightgridNode {
+    vec3 low;
+    vec3 high;
+    int link;                // first of two children; of a leaf: -1 - its grid
+    float squared_distance;  // from a position
+};
+
+LightgridNode lightgrid_node(int number, vec3 position) {
+    ivec2 at = ivec2(2 * (number & 1023), number >> 10);
+    vec4 low = texelFetch(lightgrid_tree, at, 0);
+    LightgridNode node;
+    node.low = vec3(low);
+    node.high = vec3(texelFetch(lightgrid_tree, at + ivec2(1, 0), 0));
+    node.link = int(low.w);
+    vec3 nearest = clamp(position, node.low, node.high);
+    vec3 off = abs(position - nearest);
+    off *= vec3(greaterThan(off, 2.4e-7f * (abs(position) + abs(nearest))));  // no distance where it is but rounding
+    node.squared_distance = dot(off, off);
+    return node;
+}
+
+// The leaf that is nearest; its `link` is 0 where no cell knows light.
+LightgridNode lightgrid_nearest(vec3 position) {
+    int waiting[40];  // a node at most for each level of the tree, which halves its leaves
+    int count = 0;
+    LightgridNode nearest = lightgrid_node(0, position);
+    if (nearest.link > 0) waiting[count++] = 0;
+    while (count > 0) {
+        LightgridNode node = lightgrid_node(waiting[--count], position);
+        if (nearest.link < 0 && !(node.squared_distance < nearest.squared_distance)) continue;
+        if (node.link < 0) {
+            nearest = node;
+            continue;
+        }
+        bool second_is_nearer = lightgrid_node(node.link + 1, position).squared_distance <
+                                lightgrid_node(node.link, position).squared_distance;
+        waiting[count++] = node.link + (second_is_nearer ? 0 : 1);
+        waiting[count++] = node.link + (second_is_nearer ? 1 : 0);
+    }
+    return nearest;
+}
+
+// On a face of its box where no corner answers, those of the cell do: a thousandth of the cell's size inside.
+LightgridLight lightgrid_light_inside(LightgridNode box, vec3 position) {
+    int grid = -1 - box.link;
+    vec3 origin = vec3(texelFetch(lightgrid_grids, ivec2(0, grid), 0));
+    vec3 inverse_spacing = vec3(texelFetch(lightgrid_grids, ivec2(1, grid), 0));
+    ivec3 low = ivec3((box.low - origin) * inverse_spacing + 0.5f);
+    ivec3 high = ivec3((box.high - origin) * inverse_spacing + 0.5f);
+    LightgridCell cell = lightgrid_cell(grid, position);
+    vec3 place = vec3(cell.lower) + cell.share;
+    cell.lower = clamp(cell.lower, low, max(high - 1, low));
+    cell.share = clamp(place - vec3(cell.lower), 0.0009765625f, 0.9990234375f);
+    cell.share *= vec3(greaterThan(high, low));  // without thickness where there is a single probe along an axis
+    LightgridLight light = lightgrid_sum(cell, 2.0f);
+    if (light.known > 0.0f) return lightgrid_renormalised(light);
+    light = lightgrid_renormalised(lightgrid_sum(cell, 1.0f));
+    light.known = 0.0f;
+    return light;
+}
+
+LightgridLight lightgrid_light(vec3 position) {
+    LightgridLight light = lightgrid_light_within(position);
+    if (light.known >= 0.0f) return light;
+    LightgridNode nearest = lightgrid_nearest(position);
+    if (nearest.link == 0) {
+        light.known = 0.0f;
+        light.distance = 3.0e38f;
+        return light;
+    }
+    vec3 point = clamp(position, nearest.low, nearest.high);
+    light = lightgrid_light_within(point);
+    if (light.known < 0.0f) light = lightgrid_light_inside(nearest, point);
+    light.distance = sqrt(nearest.squared_distance);
+    return light;
+}
+
+// As Outside::fade: by its distance from the nearest point that knows light to the light of what is distant, which counts as known.
+LightgridLight lightgrid_faded(LightgridLight light, LightgridLight distant, float fade_distance) {
+    float share = light.distance < fade_distance ? light.distance / fade_distance : (light.distance > 0.0f ? 1.0f : 0.0f);
+    for (int t = 0; t < LIGHTGRID_TEXELS; ++t) light.texels[t] = mix(light.texels[t], distant.texels[t], share);
+    light.known = share + (1.0f - share) * light.known;
     return light;
 }
 
@@ -170,6 +255,7 @@ LightgridLight lightgrid_filtered_light(vec3 position) {
     light.texels[6] = texture(lightgrid_filtered[6], at);
 #endif
     light.known = light.texels[LIGHTGRID_TEXELS - 1].w;
+    light.distance = 0.0f;
     for (int t = 0; t < LIGHTGRID_TEXELS; ++t) light.texels[t] *= lightgrid_filtered_gain;
     return light;
 }

@@ -7,22 +7,21 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace lightgrid {
 namespace {
 
-// The point of a grid that is nearest to a position, in units of the lattice: lower corner of its cell, and how far it
-// is from there to the upper one.
+// A point in units of a lattice: lower corner of its cell, and how far it is from there to the upper one.
 struct CellPoint {
     glm::ivec3 lower{0};
     glm::dvec3 share{0};
-    double squared_distance = 0;  // from the position, metres^2; exactly 0 within the grid
 };
 
-// What is an integer but for the rounding of positions becomes one, so that probes answer for themselves and the far
-// faces belong to the grid: position and origin are each off by half a unit in the last place, difference and quotient
-// again.
-CellPoint nearest_in(const Grid& grid, glm::dvec3 position) noexcept {
+// Nothing outside of the grid. What is an integer but for the rounding of positions becomes one, so that probes answer
+// for themselves and the far faces belong to the grid: position and origin are each off by half a unit in the last place,
+// difference and quotient again.
+std::optional<CellPoint> point_in(const Grid& grid, glm::dvec3 position) noexcept {
     constexpr double unit = std::numeric_limits<double>::epsilon();
     CellPoint result;
     for (int axis = 0; axis < 3; ++axis) {
@@ -31,14 +30,30 @@ CellPoint nearest_in(const Grid& grid, glm::dvec3 position) noexcept {
         const double slack =
             unit * ((std::abs(position[axis]) + std::abs(grid.origin[axis])) / spacing + std::abs(exact));
         const double last = grid.counts[axis] - 1;
-        double inside = exact > 0 ? std::min(exact, last) : 0;  // 0 as well for what is no number
-        const double beyond = std::abs(exact - inside);
-        if (!(beyond <= slack)) result.squared_distance += beyond * spacing * (beyond * spacing);
+        double inside = exact > 0 ? std::min(exact, last) : 0;
+        if (!(std::abs(exact - inside) <= slack)) return {};  // what is no number, too
         const double below = static_cast<int>(inside);
         const double nearest = inside - below < 0.5 ? below : below + 1;
         if (std::abs(inside - nearest) <= slack) inside = nearest;
         result.lower[axis] = static_cast<int>(inside);
         result.share[axis] = inside - result.lower[axis];
+    }
+    return result;
+}
+
+// The cell of a known box that a point of the box belongs to, and a point of it at which all corners carry weight.
+CellPoint just_inside(const Grid& grid, const NearestKnown& nearest) noexcept {
+    CellPoint result = *point_in(grid, nearest.point);
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto probe = [&](double at) {
+            return static_cast<int>(std::lround((at - grid.origin[axis]) / grid.spacing[axis]));
+        };
+        const int low = probe(nearest.low[axis]);
+        const int high = probe(nearest.high[axis]);
+        if (high == low) continue;  // a single probe along this axis
+        const double place = result.lower[axis] + result.share[axis];
+        result.lower[axis] = std::clamp(result.lower[axis], low, high - 1);
+        result.share[axis] = std::clamp(place - result.lower[axis], border_share, 1 - border_share);
     }
     return result;
 }
@@ -53,7 +68,8 @@ struct Scratch {
 
 }  // namespace
 
-Sampler::Sampler(const Volume& volume) : volume_(volume), slots_(volume), grids_(finest_first(volume.grids)) {
+Sampler::Sampler(const Volume& volume)
+    : volume_(volume), slots_(volume), grids_(finest_first(volume.grids)), known_(find_known_cells(volume, slots_)) {
     if (!volume.has_cells()) {
         throw Error("a probe list has no cells to interpolate in", {},
                     "Read its probes one by one, or bake a volume with a grid.");
@@ -109,32 +125,40 @@ Sampler::Corners Sampler::nearest_corner(std::size_t grid, glm::ivec3 lower, glm
     return result;
 }
 
-Sampler::Corners Sampler::corners(glm::dvec3 position, const SampleOptions& options) const noexcept {
-    const auto answer = [&](std::size_t grid, const CellPoint& point) {
-        return options.interpolation == Interpolation::nearest ? nearest_corner(grid, point.lower, point.share)
-                                                               : cell_corners(grid, point.lower, point.share);
-    };
-    Corners found;
-    CellPoint nearest;
-    nearest.squared_distance = std::numeric_limits<double>::infinity();
-    std::size_t nearest_grid = grids_.size();
-    for (const std::size_t grid : grids_) {
-        const CellPoint point = nearest_in(volume_.grids[grid], position);
-        if (point.squared_distance < nearest.squared_distance) {
-            nearest = point;
-            nearest_grid = grid;
-        }
-        if (point.squared_distance > 0 || nearest.squared_distance > 0) continue;  // outside of it
-        const Corners candidate = answer(grid, point);
-        if (found.count == 0 || candidate.known > 0) found = candidate;
-        if (found.known > 0) return found;
-    }
-    if (nearest.squared_distance == 0 || nearest_grid == grids_.size()) return found;
+Sampler::Corners Sampler::answer(std::size_t grid, glm::ivec3 lower, glm::dvec3 share,
+                                 Interpolation interpolation) const noexcept {
+    return interpolation == Interpolation::nearest ? nearest_corner(grid, lower, share)
+                                                   : cell_corners(grid, lower, share);
+}
 
-    found = answer(nearest_grid, nearest);
+Sampler::Corners Sampler::corners_within(glm::dvec3 position, Interpolation interpolation) const noexcept {
+    Corners filled;
+    for (const std::size_t grid : grids_) {
+        const std::optional<CellPoint> point = point_in(volume_.grids[grid], position);
+        if (!point) continue;
+        const Corners found = answer(grid, point->lower, point->share, interpolation);
+        if (found.known > 0) return found;
+        if (filled.count == 0 && found.count > 0) filled = found;
+    }
+    return filled;
+}
+
+Sampler::Corners Sampler::corners(glm::dvec3 position, const SampleOptions& options) const noexcept {
+    Corners found = corners_within(position, options.interpolation);
+    if (found.count > 0 || glm::any(glm::isnan(position))) return found;
+
+    const std::optional<NearestKnown> nearest = nearest_known(known_, position);
+    if (nearest) {
+        found = corners_within(nearest->point, options.interpolation);
+        if (found.count == 0) {
+            const CellPoint point = just_inside(volume_.grids[nearest->grid], *nearest);
+            found = answer(nearest->grid, point.lower, point.share, options.interpolation);
+        }
+    }
     if (options.outside == Outside::fade) {
-        const double distance = std::sqrt(nearest.squared_distance);
-        const double share = distance < options.fade_distance ? distance / options.fade_distance : 1;
+        const double distance =
+            nearest ? std::sqrt(nearest->squared_distance) : std::numeric_limits<double>::infinity();
+        const double share = distance < options.fade_distance ? distance / options.fade_distance : distance > 0 ? 1 : 0;
         found.environment = static_cast<float>(found.count > 0 ? share : 1);
         found.known = static_cast<float>(share + (1 - share) * found.known);
         for (int i = 0; i < found.count; ++i) found.weights[i] *= 1 - found.environment;

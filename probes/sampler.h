@@ -1,5 +1,6 @@
 #pragma once
 
+#include "probes/known_cells.h"
 #include "probes/volume.h"
 
 #include <glm/glm.hpp>
@@ -12,13 +13,13 @@
 
 namespace lightgrid {
 
-enum class Outside : std::uint8_t { clamp, fade };  // beyond the volume: nearest light, or fade to `environment`
+enum class Outside : std::uint8_t { clamp, fade };  // where no light is known: the nearest, or fade to `environment`
 enum class Interpolation : std::uint8_t { trilinear, nearest };  // of a cell's corners: all, or the one that says most
 
 struct SampleOptions {
     float normal_bias = 0;  // metres that the position is moved along the normal before the look-up
     Outside outside = Outside::clamp;
-    float fade_distance = 1;                   // metres from the volume at which `fade` has reached the environment
+    float fade_distance = 1;                   // metres from the nearest light at which `fade` ends in the environment
     std::span<const glm::vec3> environment{};  // bands^2 coefficients; empty: black
     Interpolation interpolation = Interpolation::trilinear;
     std::span<const glm::vec3> layers{};  // weight times colour of each of the volume's; empty: the combined light
@@ -26,7 +27,7 @@ struct SampleOptions {
 
 /// Interpolated coefficients. weight: the share of trilinear weight that valid corners carried, before renormalisation
 /// (with `fade`, the environment counts as valid). 0: no valid corner; sh then is the light of `filled` corners, and
-/// all zero where there is none of these either: unknown, not black.
+/// all zero where no cell of the volume knows light (known_cells.h): unknown, not black.
 struct Sample {
     std::vector<glm::vec3> sh;
     float weight = 0;
@@ -37,8 +38,13 @@ struct Sample {
 ///
 /// The light at a position is interpolated trilinearly between the corners of its cell, with weights renormalised over
 /// the valid ones, so that at a valid probe's lattice point it is the probe's own, to the bit. Where grids overlap, the
-/// finest spacing that knows an answer gives it. A cell is a grid's own if all corners that carry weight are stored.
-/// Outside of all grids, the point of the nearest grid that is nearest answers.
+/// finest spacing that knows an answer gives it: first of all from valid corners, then from filled ones. A cell is a
+/// grid's own if all corners that carry weight are stored.
+///
+/// Where no grid answers, outside of all of them, or where bricks are not stored or probes are missing, the nearest point
+/// answers that belongs to a cell which knows light (known_cells.h), so that light stays what it is on the way out. If
+/// those of the cell's corners that answer carry no weight at that point, being all on other faces, the point is moved
+/// into the cell by border_share of its size. `fade` counts its distance from the nearest point.
 ///
 /// `Interpolation::nearest` takes that corner alone which would have weighed most of those that answer: the cheapest
 /// look-up, and the light then jumps half-way between probes.
@@ -73,6 +79,9 @@ class Sampler {
     [[nodiscard]] Corners corners(glm::dvec3 position, const SampleOptions& options = {}) const noexcept;
 
   private:
+    [[nodiscard]] Corners corners_within(glm::dvec3 position, Interpolation interpolation) const noexcept;
+    [[nodiscard]] Corners answer(std::size_t grid, glm::ivec3 lower, glm::dvec3 share,
+                                 Interpolation interpolation) const noexcept;
     [[nodiscard]] Corners cell_corners(std::size_t grid, glm::ivec3 lower, glm::dvec3 share) const noexcept;
     [[nodiscard]] Corners nearest_corner(std::size_t grid, glm::ivec3 lower, glm::dvec3 share) const noexcept;
     void interpolate(const Corners& from, const SampleOptions& options, std::span<glm::vec3> sh) const noexcept;
@@ -80,6 +89,7 @@ class Sampler {
     const Volume& volume_;
     SlotTable slots_;
     std::vector<std::size_t> grids_;  // finest first
+    KnownCells known_;
 };
 
 }  // namespace lightgrid

@@ -3,6 +3,7 @@
 #include "core/error.h"
 #include "core/sh.h"
 #include "probes/half_storage.h"
+#include "probes/known_cells.h"
 
 #include <fmt/format.h>
 
@@ -20,6 +21,7 @@ namespace {
 constexpr int largest_texels = texels_per_probe(max_texture_bands);
 /// With a power of two, shaders find rows by shifting.
 constexpr int index_width = 2048;
+constexpr int tree_width = 2048;
 
 TextureImage make_image(TexelFormat format, glm::ivec3 size) {
     TextureImage image{format, size, {}};
@@ -102,6 +104,24 @@ float kept_scale(std::span<const glm::vec3> coefficients, std::size_t sh_size, s
     return half_scale(used);
 }
 
+/// row_of_grid  of each of the volume's grids in VolumeTextures::grids
+TextureImage pack_tree(const Volume& volume, glm::dvec3 origin, std::span<const int> row_of_grid) {
+    const KnownCells known = find_known_cells(volume, SlotTable(volume));
+    const std::size_t texels = 2 * std::max<std::size_t>(known.nodes.size(), 1);
+    const auto width = static_cast<int>(std::min<std::size_t>(texels, tree_width));
+    TextureImage tree =
+        make_image(TexelFormat::rgba32f, {width, static_cast<int>((texels + tree_width - 1) / tree_width), 1});
+    for (std::size_t i = 0; i < known.nodes.size(); ++i) {
+        const KnownCells::Node& node = known.nodes[i];
+        const glm::vec3 low(node.low - origin);
+        const glm::vec3 high(node.high - origin);
+        const int link = node.link < 0 ? -1 - row_of_grid[static_cast<std::size_t>(-1 - node.link)] : node.link;
+        put<float>(tree, 2 * i, {low.x, low.y, low.z, static_cast<float>(link)});
+        put<float>(tree, 2 * i + 1, {high.x, high.y, high.z, 0});
+    }
+    return tree;
+}
+
 void check_has_cells(const Volume& volume) {
     if (!volume.has_cells()) {
         throw Error("a probe list has no cells to interpolate in", {}, "Bake a volume with a grid.");
@@ -128,6 +148,7 @@ VolumeTextures pack_volume(const Volume& volume, const TextureOptions& options) 
 
     const std::vector<std::size_t> order = finest_first(volume.grids);
     std::vector<std::size_t> first_of_grid(volume.grids.size());
+    std::vector<int> row_of_grid(volume.grids.size());
     std::size_t lattice = 0;
     result.grids = make_image(TexelFormat::rgba32f, {3, static_cast<int>(order.size()), 1});
     for (std::size_t row = 0; row < order.size(); ++row) {
@@ -140,11 +161,14 @@ VolumeTextures pack_volume(const Volume& volume, const TextureOptions& options) 
         put<float>(result.grids, 3 * row + 1, {inverse.x, inverse.y, inverse.z, static_cast<float>(index_row)});
         put<float>(result.grids, 3 * row + 2, {counts.x, counts.y, counts.z, 0});
         first_of_grid[order[row]] = lattice;
+        row_of_grid[order[row]] = static_cast<int>(row);
         const glm::ivec3 spanned = lattice_bricks(grid);
         lattice += static_cast<std::size_t>(spanned.x) * spanned.y * spanned.z;
     }
     result.index = make_image(TexelFormat::rgba16ui,
                               {index_width, static_cast<int>((lattice + index_width - 1) / index_width), 1});
+
+    result.tree = pack_tree(volume, result.origin, row_of_grid);
 
     const std::size_t brick_coefficients = probes_per_brick * volume.sh_size();
     for (std::size_t b = 0; b < volume.bricks.size(); ++b) {

@@ -36,8 +36,9 @@ struct TextureOptions {
 };
 
 inline constexpr int max_texture_bands = 3;
-/// No texture is larger along any axis, but for the index of a volume that spans more than 2048^2 bricks and for
-/// filtered textures of a grid that has more probes along an axis.
+/// No texture is larger along any axis, but for the index of a volume that spans more than 2048^2 bricks, the tree of one
+/// whose cells that know light make more than 2^20 boxes, and filtered textures of a grid that has more probes along an
+/// axis.
 inline constexpr int max_texture_size = 2048;
 
 /// RGBA texels that a probe's coefficients and state take. With 3 bands: red 0..3, red 4..7, green 0..3, green 4..7,
@@ -54,12 +55,16 @@ inline constexpr int max_texture_size = 2048;
 /// index  2D, rgba16ui, one texel per brick of the lattices, grid by grid, x fastest, then y, then z, in rows of 2048:
 ///          (place in the atlas, in bricks; 127 + exponent of the power of two that its numbers are multiplied by),
 ///          or zeros where the brick is not stored
+/// tree   2D, rgba32f, in rows of 2048: two texels for each node of KnownCells, the root first:
+///          (low - VolumeTextures::origin, number of the first of two children, or -1 - row of a leaf's grid in `grids`),
+///          (high - VolumeTextures::origin, 0); a single node of zeros where no cell knows light
 /// atlas  3D, rgba32f or rgba16f: bricks of 4 texels_per_probe x 4 x 4 texels, a probe's texels side by side along x
 struct VolumeTextures {
     int bands = 0;         // LIGHTGRID_BANDS of the shader
     glm::dvec3 origin{0};  // of positions given to the shader
     TextureImage grids;
     TextureImage index;
+    TextureImage tree;
     TextureImage atlas;
 };
 

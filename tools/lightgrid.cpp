@@ -58,11 +58,12 @@ void add_query(CLI::App& program) {
         ->type_name("M")
         ->check(finite())
         ->excludes(sh);
-    verb->add_option("--outside", options->outside, "Beyond the volume: clamp (nearest light) or fade (to the sky)")
+    verb->add_option("--outside", options->outside, "Where no light is known: clamp (the nearest) or fade (to the sky)")
         ->type_name("HOW")
         ->check(CLI::IsMember({"clamp", "fade"}))
         ->capture_default_str();
-    verb->add_option("--fade-distance", options->fade_distance, "Metres over which fade goes to the sky")
+    verb->add_option("--fade-distance", options->fade_distance,
+                     "Metres from the nearest light over which fade goes to the sky")
         ->type_name("M")
         ->check(finite(0))
         ->capture_default_str();

@@ -26,7 +26,7 @@ struct PixelLight {
 /// Factors of the bands for irradiance: of the cosine lobe, and zero for those that are not used.
 [[nodiscard]] glm::vec3 irradiance_factors(int bands);
 
-/// Binds the volume to the three units from `first_unit` on and tells the program in use all that it asks.
+/// Binds the volume to the four units from `first_unit` on and tells the program in use all that it asks.
 void set_pixel_light(const Gl& gl, const Uniforms& uniforms, const PixelLight& light, int first_unit);
 
 }  // namespace lightgrid

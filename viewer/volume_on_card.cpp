@@ -65,9 +65,10 @@ void bind(const Gl& gl, const GlTexture& texture, GLenum target, const Uniforms&
 
 VolumeOnCard upload(const Gl& gl, const VolumeTextures& textures) {
     return {upload(gl, textures.grids, GL_TEXTURE_2D, GL_NEAREST),
-            upload(gl, textures.index, GL_TEXTURE_2D, GL_NEAREST),
+            upload(gl, textures.index, GL_TEXTURE_2D, GL_NEAREST), upload(gl, textures.tree, GL_TEXTURE_2D, GL_NEAREST),
             upload(gl, textures.atlas, GL_TEXTURE_3D, GL_NEAREST),
-            textures.grids.texels.size() + textures.index.texels.size() + textures.atlas.texels.size()};
+            textures.grids.texels.size() + textures.index.texels.size() + textures.tree.texels.size() +
+                textures.atlas.texels.size()};
 }
 
 FilteredVolumeOnCard upload(const Gl& gl, const FilteredTextures& textures) {
@@ -84,7 +85,8 @@ FilteredVolumeOnCard upload(const Gl& gl, const FilteredTextures& textures) {
 void bind(const Gl& gl, const VolumeOnCard& volume, const Uniforms& uniforms, int first_unit) {
     bind(gl, volume.grids, GL_TEXTURE_2D, uniforms, "lightgrid_grids", first_unit);
     bind(gl, volume.index, GL_TEXTURE_2D, uniforms, "lightgrid_index", first_unit + 1);
-    bind(gl, volume.atlas, GL_TEXTURE_3D, uniforms, "lightgrid_atlas", first_unit + 2);
+    bind(gl, volume.tree, GL_TEXTURE_2D, uniforms, "lightgrid_tree", first_unit + 2);
+    bind(gl, volume.atlas, GL_TEXTURE_3D, uniforms, "lightgrid_atlas", first_unit + 3);
     gl.ActiveTexture(GL_TEXTURE0);
 }
 

@@ -14,6 +14,7 @@ namespace lightgrid {
 struct VolumeOnCard {
     GlTexture grids;
     GlTexture index;
+    GlTexture tree;
     GlTexture atlas;
     std::size_t bytes = 0;  // of texels
 };
@@ -29,7 +30,7 @@ struct FilteredVolumeOnCard {
 /// Likewise.
 [[nodiscard]] FilteredVolumeOnCard upload(const Gl& gl, const FilteredTextures& textures);
 
-/// Binds the textures to units and tells the program in use. One of the two forms takes 3 units, the other at most 7. A
+/// Binds the textures to units and tells the program in use. One of the two forms takes 4 units, the other at most 7. A
 /// shader that reads both needs units of its own for each; one that reads neither ignores all of it.
 void bind(const Gl& gl, const VolumeOnCard& volume, const Uniforms& uniforms, int first_unit);
 void bind(const Gl& gl, const FilteredVolumeOnCard& volume, const Uniforms& uniforms, int first_unit);

@@ -94,6 +94,7 @@ struct Shader {
     vec3 (*filtered_irradiance)(vec3 position, vec3 normal);
     vec3 (*radiance)(vec3 position, vec3 direction);
     float (*known)(vec3 position);
+    vec3 (*faded_irradiance)(vec3 position, vec3 normal, float fade_distance);  // to black
 };
 
 }  // namespace glsl

@@ -13,6 +13,7 @@ inline Shader program() {
         [](const lightgrid::VolumeTextures& textures) {
             lightgrid_grids.image = &textures.grids;
             lightgrid_index.image = &textures.index;
+            lightgrid_tree.image = &textures.tree;
             lightgrid_atlas.image = &textures.atlas;
         },
         [](const lightgrid::FilteredTextures& textures) {
@@ -27,6 +28,10 @@ inline Shader program() {
             return lightgrid_evaluate(lightgrid_light(position), direction, vec3(1.0F));
         },
         [](vec3 position) { return lightgrid_light(position).known; },
+        [](vec3 position, vec3 normal, float fade_distance) {
+            return lightgrid_irradiance(lightgrid_faded(lightgrid_light(position), lightgrid_black(), fade_distance),
+                                        normal);
+        },
     };
 }
 

@@ -72,6 +72,46 @@ inline void thin_out(Volume& volume) {
     volume = std::move(thinned);
 }
 
+/// A volume of nested, overlapping and separate grids of all sizes, a single probe along some axes, of which bricks are
+/// missing, and in others all light.
+[[nodiscard]] inline Volume random_sparse_volume(unsigned seed, int bands) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> uniform(0, 1);
+    const auto random_vector = [&] { return glm::dvec3(uniform(random), uniform(random), uniform(random)); };
+    std::vector<Grid> grids;
+    std::vector<Brick> bricks;
+    for (int grid = 0; grid < 1 + static_cast<int>(seed % 4); ++grid) {
+        const double spacing = std::exp2(-uniform(random) * grid);
+        glm::ivec3 counts(1 + static_cast<int>(13 * uniform(random)), 2 + static_cast<int>(9 * uniform(random)),
+                          2 + static_cast<int>(17 * uniform(random)));
+        if (grid == 0) counts = glm::max(counts, 5);  // room for a brick of whole cells
+        grids.push_back(
+            {glm::dvec3(12.3, -7, 101) + 6.0 * random_vector(), spacing * (0.7 + 0.6 * random_vector()), counts});
+        const double share_stored = 0.3 + 0.7 * uniform(random);
+        const glm::ivec3 spanned = lattice_bricks(grids.back());
+        for (int i = 0; i < spanned.x * spanned.y * spanned.z; ++i) {
+            if (i > 0 && uniform(random) > share_stored) continue;
+            const glm::ivec3 at(i % spanned.x, i / spanned.x % spanned.y, i / (spanned.x * spanned.y));
+            bricks.push_back({grid, brick_size * at});
+        }
+    }
+    Volume volume = make_volume(std::move(grids), std::move(bricks), bands);
+    for (std::size_t b = 0; b < volume.bricks.size(); ++b) {
+        const bool dark = b > 0 && uniform(random) < 0.1;
+        const bool full = uniform(random) < 0.5;
+        for (std::size_t slot = b * probes_per_brick; slot < (b + 1) * probes_per_brick; ++slot) {
+            if (volume.states[slot] == ProbeState::absent) continue;
+            volume.states[slot] = dark ? ProbeState::missing : full ? ProbeState::valid : any_state(random);
+            for (std::size_t i = 0; i < volume.sh_size(); ++i) {
+                const glm::vec3 noise(random_vector() - 0.5);
+                volume.coefficients[slot * volume.sh_size() + i] = i == 0 ? 2.0F + noise : 0.5F * noise;
+            }
+        }
+    }
+    check_volume(volume);
+    return volume;
+}
+
 struct Query {
     glm::vec3 position;  // relative to the textures' origin
     glm::vec3 normal;
@@ -87,6 +127,29 @@ struct Query {
         const Grid& grid = volume.grids[static_cast<std::size_t>(i) % volume.grids.size()];
         const glm::dvec3 share(uniform(random), uniform(random), uniform(random));
         const glm::dvec3 position = grid.origin + share * (grid.spacing * glm::dvec3(grid.counts - 1));
+        queries.push_back(
+            {glm::vec3(position - origin), glm::normalize(glm::vec3(normal(random), normal(random), normal(random)))});
+    }
+    return queries;
+}
+
+/// Points in the box round all grids and up to two of the widest spacings outside of it.
+[[nodiscard]] inline std::vector<Query> queries_around(const Volume& volume, glm::dvec3 origin, int count) {
+    glm::dvec3 low = volume.grids.front().origin;
+    glm::dvec3 high = low;
+    glm::dvec3 spacing(0);
+    for (const Grid& grid : volume.grids) {
+        low = glm::min(low, grid.origin);
+        high = glm::max(high, grid.position(grid.counts - 1));
+        spacing = glm::max(spacing, grid.spacing);
+    }
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> uniform(0, 1);
+    std::normal_distribution<float> normal;
+    std::vector<Query> queries;
+    for (int i = 0; i < count; ++i) {
+        const glm::dvec3 share(uniform(random), uniform(random), uniform(random));
+        const glm::dvec3 position = glm::mix(low - 2.0 * spacing, high + 2.0 * spacing, share);
         queries.push_back(
             {glm::vec3(position - origin), glm::normalize(glm::vec3(normal(random), normal(random), normal(random)))});
     }

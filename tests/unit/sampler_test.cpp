@@ -2,9 +2,11 @@
 
 #include "core/error.h"
 #include "core/sh.h"
+#include "tests/unit/random_volume.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -181,6 +183,144 @@ TEST(Sampler, ClampsOutsideToTheNearestPoint) {
     }
 }
 
+struct SlowSearch {
+    double distance = std::numeric_limits<double>::infinity();
+    glm::dvec3 point{0};
+};
+
+// Over all cells of all grids, one after the other.
+SlowSearch nearest_cell_that_knows(const Volume& volume, const SlotTable& slots, glm::dvec3 position) {
+    SlowSearch nearest;
+    for (std::size_t g = 0; g < volume.grids.size(); ++g) {
+        const Grid& grid = volume.grids[g];
+        const glm::ivec3 last = grid.counts - 1;
+        const glm::ivec3 cells = glm::max(last, 1);
+        for (int i = 0; i < cells.x * cells.y * cells.z; ++i) {
+            const glm::ivec3 lower(i % cells.x, i / cells.x % cells.y, i / (cells.x * cells.y));
+            const glm::dvec3 point =
+                glm::clamp(position, grid.position(lower), grid.position(glm::min(lower + 1, last)));
+            const double distance = glm::distance(point, position);
+            if (distance >= nearest.distance) continue;
+            bool stored = true;
+            bool knows = false;
+            for (int corner = 0; corner < 8; ++corner) {
+                const glm::ivec3 upper(corner & 1, corner >> 1 & 1, corner >> 2);
+                const std::ptrdiff_t slot = slots.slot(g, glm::min(lower + upper, last));
+                stored = stored && slot != SlotTable::none;
+                knows =
+                    knows || (stored && (is_valid(volume.states[slot]) || volume.states[slot] == ProbeState::filled));
+            }
+            if (stored && knows) nearest = {distance, point};
+        }
+    }
+    return nearest;
+}
+
+TEST(Sampler, AnswersOutsideWithTheNearestPointThatKnowsLight) {
+    int outside = 0;
+    int beyond_all_grids = 0;
+    for (unsigned seed = 0; seed < 40; ++seed) {
+        const Volume volume = random_sparse_volume(seed, 1);
+        const Sampler sampler(volume);
+        const SlotTable slots(volume);
+        const float far = 1000;
+        const std::vector<glm::vec3> sky{glm::vec3(7)};
+        const SampleOptions fade{.outside = Outside::fade, .fade_distance = far, .environment = sky};
+        for (const Query& query : queries_around(volume, glm::dvec3(0), 1000)) {
+            const glm::dvec3 position(query.position);
+            const SlowSearch nearest = nearest_cell_that_knows(volume, slots, position);
+            const Sample got = sampler.sample(position);
+            const Sample wanted = sampler.sample(nearest.point);
+            const auto where = [&] {
+                return testing::Message()
+                       << "volume " << seed << ", " << position.x << " " << position.y << " " << position.z;
+            };
+            EXPECT_NEAR(glm::distance(got.sh[0], wanted.sh[0]), 0, 1e-5) << where();
+            EXPECT_NEAR(got.weight, wanted.weight, 1e-5) << where();
+            EXPECT_GT(got.sh[0].r, 0) << where();
+            const auto share = static_cast<float>(nearest.distance / far);
+            EXPECT_NEAR(sampler.corners(position, fade).environment, share, 1e-6) << where();
+            EXPECT_NEAR(light_at(sampler, position, fade).r, glm::mix(got.sh[0].r, 7.0F, share), 1e-5) << where();
+            if (nearest.distance == 0) continue;
+            ++outside;
+            beyond_all_grids += std::all_of(volume.grids.begin(), volume.grids.end(), [&](const Grid& grid) {
+                return glm::clamp(position, grid.origin, grid.position(grid.counts - 1)) != position;
+            });
+        }
+    }
+    EXPECT_GT(outside, 10000);
+    EXPECT_GT(beyond_all_grids, 5000);
+    EXPECT_GT(outside - beyond_all_grids, 2500) << "in holes of the grids";
+}
+
+TEST(Sampler, ChangesNothingOnTheWayOutOfARefinedVolume) {
+    // A coarse grid, and a fine one over all of it that has a brick in one corner only: most of its faces are of bricks
+    // that are not stored.
+    const Grid coarse{{0, 0, 0}, {2, 2, 2}, {9, 9, 9}};
+    const Grid fine{{0, 0, 0}, {1, 1, 1}, {17, 17, 17}};
+    Volume volume = make_volume({coarse, fine}, {}, 1);
+    for (const Brick& brick : make_volume({coarse, fine}, 1).bricks) {
+        if (brick.grid == 1 && brick.origin != glm::ivec3(0)) continue;
+        volume.bricks.push_back(brick);
+    }
+    volume = make_volume(volume.grids, volume.bricks, 1);
+    for (std::size_t slot = 0; slot < volume.slots(); ++slot) {
+        const glm::dvec3 p = lattice_position(volume, slot);
+        volume.coefficients[slot] = glm::vec3(1 + p.x * p.y + p.z);
+    }
+    const Sampler sampler(volume);
+    for (const glm::dvec3 face :
+         {glm::dvec3(16, 5, 3.5), {0, 5, 3.5}, {0, 1, 1}, {1.5, 1.25, 0}, {7, 16, 9}, {16, 16, 16}}) {
+        const glm::dvec3 outwards(face.x == 0    ? -1
+                                  : face.x == 16 ? 1
+                                                 : 0,
+                                  face.y == 16 ? 1 : 0,
+                                  face.z == 0    ? -1
+                                  : face.z == 16 ? 1
+                                                 : 0);
+        const glm::vec3 wanted = light_at(sampler, face);
+        EXPECT_GT(wanted.r, 0);
+        for (const double distance : {1e-9, 0.001, 0.5, 30.0}) {
+            const Sample sample = sampler.sample(face + distance * outwards);
+            EXPECT_EQ(sample.sh[0], wanted) << face.x << " " << face.y << " " << face.z << " and " << distance << " m";
+            EXPECT_EQ(sample.weight, 1);
+        }
+    }
+}
+
+TEST(Sampler, TakesTheCellsLightWhereItsFaceHasNone) {
+    Volume volume = volume_of({{{0, 0, 0}, {1, 1, 1}, {2, 2, 2}}}, linear);
+    for (ProbeState& state : volume.states) {
+        if (state != ProbeState::absent) state = ProbeState::missing;
+    }
+    set(volume, {0, 0, 0}, ProbeState::valid, glm::vec3(3));
+    const Sampler sampler(volume);
+    for (const glm::dvec3 p : {glm::dvec3(0.9, 0.9, 0.9), {1, 0.5, 0.5}, {4, 0.5, 0.5}, {1, 1, 1}, {5, 6, 7}}) {
+        const Sample sample = sampler.sample(p);
+        EXPECT_FLOAT_EQ(sample.sh[0].r, 3) << p.x;
+        EXPECT_GT(sample.weight, 0) << p.x;
+    }
+}
+
+TEST(Sampler, FadesInHolesAndWhereNothingIsKnown) {
+    // Two cells of a row of three; the third has no light.
+    Volume volume =
+        volume_of({{{0, 0, 0}, {1, 1, 1}, {5, 2, 2}}}, [](glm::dvec3, std::size_t) { return glm::vec3(1); });
+    for (int i = 0; i < 4; ++i) {
+        for (const int x : {3, 4}) set(volume, {x, i & 1, i >> 1}, ProbeState::missing, glm::vec3(nan));
+    }
+    const std::vector<glm::vec3> sky{glm::vec3(5)};
+    const SampleOptions options{.outside = Outside::fade, .fade_distance = 2, .environment = sky};
+    EXPECT_FLOAT_EQ(light_at(Sampler(volume), {3, 0.5, 0.5}, options).r, 1) << "of the cell that reaches so far";
+    EXPECT_FLOAT_EQ(light_at(Sampler(volume), {3.5, 0.5, 0.5}, options).r, 2);
+    for (ProbeState& state : volume.states) {
+        if (state != ProbeState::absent) state = ProbeState::missing;
+    }
+    EXPECT_EQ(light_at(Sampler(volume), {0.5, 0.5, 0.5}, options), sky[0]);
+    EXPECT_EQ(Sampler(volume).sample({0.5, 0.5, 0.5}).weight, 0);
+    EXPECT_EQ(Sampler(volume).sample({9, 9, 9}).weight, 0);
+}
+
 TEST(Sampler, FadesOutsideToTheEnvironment) {
     const Volume volume =
         volume_of({{{0, 0, 0}, {1, 1, 1}, {3, 3, 3}}}, [](glm::dvec3, std::size_t) { return glm::vec3(1); });
@@ -263,6 +403,26 @@ TEST(Sampler, GivesTheSameInBatches) {
         EXPECT_EQ(irradiance[i], irradiance_from_sh(single.sh, normals[i]));
         EXPECT_EQ(weights[i], single.weight);
         for (std::size_t k = 0; k < 9; ++k) EXPECT_EQ(sh[i * 9 + k], single.sh[k]);
+    }
+}
+
+TEST(Sampler, GivesTheSameInBatchesOutside) {
+    for (unsigned seed = 0; seed < 4; ++seed) {
+        const Volume volume = random_sparse_volume(seed, 2);
+        const Sampler sampler(volume);
+        const std::vector<glm::vec3> sky(4, glm::vec3(7));
+        const SampleOptions options{.outside = Outside::fade, .fade_distance = 3, .environment = sky};
+        std::vector<glm::dvec3> positions;
+        for (const Query& query : queries_around(volume, glm::dvec3(0), 300)) positions.emplace_back(query.position);
+        std::vector<glm::vec3> sh(positions.size() * 4);
+        std::vector<float> weights(positions.size());
+        sampler.sample(positions, sh, weights, options);
+        for (std::size_t i = 0; i < positions.size(); ++i) {
+            const Sample single = sampler.sample(positions[i], options);
+            EXPECT_EQ(weights[i], single.weight);
+            EXPECT_TRUE(
+                std::equal(single.sh.begin(), single.sh.end(), sh.begin() + static_cast<std::ptrdiff_t>(4 * i)));
+        }
     }
 }
 

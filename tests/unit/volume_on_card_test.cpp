@@ -110,10 +110,11 @@ class Card {
     Framebuffer framebuffer_;
 };
 
-/// |difference of irradiance| over the mean irradiance at the point, all points, increasing.
+/// |difference of irradiance| over the mean irradiance at the point, or of what is known where that is more, all points,
+/// increasing.
 template <typename Textures>
-std::vector<double> differences(Card& card, const Volume& volume, const Textures& textures) {
-    const std::vector<Query> queries = random_queries(volume, textures.origin, count);
+std::vector<double> differences(Card& card, const Volume& volume, const Textures& textures,
+                                const std::vector<Query>& queries) {
     const std::vector<glm::vec4> got = card.light(textures, queries);
     const Sampler sampler(volume);
     std::vector<double> result;
@@ -122,14 +123,16 @@ std::vector<double> differences(Card& card, const Volume& volume, const Textures
         const glm::dvec3 wanted = irradiance_from_sh(sample.sh, queries[i].normal);
         const double local = glm::length(glm::dvec3(sample.sh[0])) * std::sqrt(std::acos(-1.0)) / 2;
         const double difference = glm::distance(glm::dvec3(got[i]), wanted);
-        result.push_back(local > 0 ? difference / local : difference);
         const bool exact = std::is_same_v<Textures, VolumeTextures>;
-        if (exact) {
-            EXPECT_NEAR(got[i].w, sample.weight, 1e-3);
-        }
+        const double of_known = exact ? std::abs(got[i].w - sample.weight) : 0;
+        result.push_back(std::max(local > 0 ? difference / local : difference, of_known));
     }
     std::sort(result.begin(), result.end());
     return result;
+}
+template <typename Textures>
+std::vector<double> differences(Card& card, const Volume& volume, const Textures& textures) {
+    return differences(card, volume, textures, random_queries(volume, textures.origin, count));
 }
 
 std::string spread(const std::vector<double>& sorted) {
@@ -163,6 +166,18 @@ TEST(VolumeOnCard, AnswersAsTheSamplerDoes) {
         EXPECT_LT(differences(card, small, pack_volume(small)).back(), 1e-3) << bands << " bands, dense";
         thin_out(small);
         EXPECT_LT(differences(card, small, pack_volume(small)).back(), 1e-3) << bands << " bands, sparse";
+    }
+}
+
+TEST(VolumeOnCard, AnswersOutsideAsTheSamplerDoes) {
+    Card card;
+    for (unsigned seed = 0; seed < 4; ++seed) {
+        const Volume volume = random_sparse_volume(seed, 3);
+        const VolumeTextures textures = pack_volume(volume);
+        const std::vector<Query> queries = queries_around(volume, textures.origin, count);
+        const std::vector<double> sorted = differences(card, volume, textures, queries);
+        // Light jumps between cells whose common corners are all missing, and float may see a point on the other side.
+        EXPECT_LT(sorted[sorted.size() - 2], 1e-3) << "volume " << seed;
     }
 }
 

@@ -72,6 +72,45 @@ TEST(VolumeTextures, AnswerAsTheSamplerDoes) {
     }
 }
 
+TEST(VolumeTextures, AnswerOutsideAsTheSamplerDoes) {
+    const glsl::Shader shader = shader_of(1);
+    int points = 0;
+    int off = 0;
+    for (unsigned seed = 0; seed < 40; ++seed) {
+        const Volume volume = random_sparse_volume(seed, 1);
+        const Sampler sampler(volume);
+        const VolumeTextures textures = pack_volume(volume);
+        shader.bind(textures);
+        const SampleOptions fade{.outside = Outside::fade, .fade_distance = 2.5F};
+        for (const Query& query : queries_around(volume, textures.origin, 1000)) {
+            const glm::dvec3 position = textures.origin + glm::dvec3(query.position);
+            const glm::vec3 wanted = sampler.irradiance(position, {0, 1, 0});
+            const glm::vec3 got = shader.irradiance(query.position, {0, 1, 0});
+            const glm::vec3 wanted_faded = sampler.irradiance(position, {0, 1, 0}, fade);
+            const glm::vec3 faded = shader.faded_irradiance(query.position, {0, 1, 0}, fade.fade_distance);
+            off += glm::distance(got, wanted) < 1e-3F && glm::distance(faded, wanted_faded) < 1e-3F ? 0 : 1;
+            ++points;
+        }
+    }
+    // Light jumps between cells whose common corners are all missing, and float may see a point on the other side.
+    EXPECT_LE(off, points / 10000);
+}
+
+TEST(VolumeTextures, KnowNothingWhereNoCellDoes) {
+    Volume volume = make_volume({fine_grid}, 1);
+    for (ProbeState& state : volume.states) {
+        if (state != ProbeState::absent) state = ProbeState::missing;
+    }
+    const glsl::Shader shader = shader_of(1);
+    const VolumeTextures textures = pack_volume(volume);
+    shader.bind(textures);
+    for (const glm::vec3 position : {glm::vec3(0), glm::vec3(100)}) {
+        EXPECT_EQ(shader.known(position), 0);
+        EXPECT_EQ(shader.irradiance(position, {0, 1, 0}), glm::vec3(0));
+        EXPECT_EQ(shader.faded_irradiance(position, {0, 1, 0}, 1), glm::vec3(0));
+    }
+}
+
 TEST(VolumeTextures, KnowHowMuchOfTheLightIsKnown) {
     Volume volume = random_volume({coarse_grid, fine_grid}, 1, any_state);
     thin_out(volume);
