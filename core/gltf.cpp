@@ -183,6 +183,8 @@ Scene read_scene(const Document& document, const LoadOptions& options) {
     Placement placement = place_nodes(document, chosen, options.ignore);
     const std::vector<PlacedNode>& nodes = placement.nodes;
     scene.groups = std::move(placement.groups);
+    for (const tinygltf::Node& node : document.model().nodes)
+        scene.node_names.push_back(ignorable_name(document, node));
     list_hidden(document, placement, scene);
     std::vector<std::optional<glm::dmat4>> node_transforms(document.model().nodes.size());
     for (const std::vector<PlacedNode>* placed : {&placement.nodes, &placement.ignored})

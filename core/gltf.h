@@ -25,7 +25,7 @@ struct LoadOptions {
 ///             nothing: neither their meshes nor their lights are part of the level. Skins follow their joints, and
 ///             markers count also where they are hidden.
 /// Geometry    every triangle mode, indexed or not; sparse, interleaved, quantised (KHR_mesh_quantization), packed
-///             (EXT_meshopt_compression, KHR_draco_mesh_compression); skins and morph targets as they stand at rest.
+///             (EXT_meshopt_compression, KHR_meshopt_compression, KHR_draco_mesh_compression); skins and morph targets as they stand at rest.
 ///             Points and lines are no part of the level; triangles without area are dropped.
 /// Materials   base colour, alpha, transmission, emission (KHR_materials_emissive_strength), any UV set,
 ///             KHR_texture_transform, EXT_texture_webp; diffuse of KHR_materials_pbrSpecularGlossiness where there is

@@ -76,6 +76,7 @@ struct Mesh {
     std::vector<std::vector<glm::vec2>> uv_sets;  // by glTF set number; all that its material reads, others are empty
     std::vector<glm::u16vec4> colors;             // COLOR_0, linear, 65535 = 1; empty where there is none
     int material = 0;                             // index in Scene::materials
+    int node = -1;  // that it stands at, where it is placed: index in Scene::node_names; -1: not known
 };
 
 /// Meshes that are used several times, in their own space.
@@ -87,6 +88,7 @@ struct Instance {
     int model = 0;
     glm::mat4x3 to_level{1};  // columns: axes, then translation relative to Scene::origin; not is_flat
     bool mirrored = false;    // negative determinant: counter-clockwise in the model is clockwise in the level
+    int node = -1;            // that it stands at: index in Scene::node_names; -1: not known
 };
 
 /// Squeezed so much along some axis (to less than 1e-9) that rays in an instance's own space would leave the range of
@@ -131,6 +133,7 @@ struct Scene {
     std::vector<std::string> groups;        // of lights: node extras {"lightgrid": {"group": "NAME"}}, in order of use
     std::vector<Box> volume_markers;        // node extras {"lightgrid": "volume"}, level coordinates
     std::vector<glm::dvec3> probe_markers;  // node extras {"lightgrid": "probe"}, level coordinates
+    std::vector<std::string> node_names;    // what LoadOptions::ignore is tried on; empty: nameless
     std::vector<std::string> notices;       // for the user: what was ignored, clamped or repaired, by name
     std::vector<LeftOut> left_out;
 };

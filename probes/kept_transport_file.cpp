@@ -247,7 +247,7 @@ class Hasher {
         add(double_sided);
     }
     void add(const Mesh& mesh) {
-        const auto& [name, positions, triangles, uv_sets, colors, material] = mesh;
+        const auto& [name, positions, triangles, uv_sets, colors, material, node] = mesh;
         add(material);
         add_all(positions);
         add_all(triangles);
@@ -260,7 +260,7 @@ class Hasher {
         each(meshes);
     }
     void add(const Instance& instance) {
-        const auto& [model, to_level, mirrored] = instance;
+        const auto& [model, to_level, mirrored, node] = instance;
         add(model);
         for (int column = 0; column < 4; ++column) add(to_level[column]);
         add(mirrored);
@@ -333,7 +333,7 @@ std::uint64_t transport_fingerprint(const Scene& scene, const BakeOptions& optio
     Hasher hash;
     hash.add(version);
     const auto& [name, origin, bounds, meshes, placed, models, instances, materials, textures, lights, groups,
-                 volume_markers, probe_markers, notices, left_out] = scene;
+                 volume_markers, probe_markers, node_names, notices, left_out] = scene;
     hash.add(origin);
     hash.each(meshes);
     hash.each(placed);

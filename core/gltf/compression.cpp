@@ -6,10 +6,16 @@
 #include <fmt/format.h>
 #include <meshoptimizer.h>
 
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
 #include <cstring>
+#include <limits>
 #include <memory>
 #include <new>
 #include <stdexcept>
+#include <type_traits>
 
 namespace lightgrid::gltf {
 namespace {
@@ -33,6 +39,31 @@ int component_type_of(draco::DataType type) {
             return TINYGLTF_COMPONENT_TYPE_FLOAT;
         default:
             return -1;
+    }
+}
+
+/// RGBA of Y, Co, Cg and alpha with K bits each, in place. K is where the highest bit of alpha's number stands.
+///
+/// Source: KHR_meshopt_compression, appendix B, filter 4. Unsigned is the type of one component.
+template <typename Unsigned>
+void decode_colors(OwnedBytes& colors, std::size_t count) {
+    using Signed = std::make_signed_t<Unsigned>;
+    constexpr float most = std::numeric_limits<Unsigned>::max();
+    for (std::size_t i = 0; i < count; ++i) {
+        std::array<Unsigned, 4> packed;
+        std::memcpy(packed.data(), colors.data() + i * sizeof(packed), sizeof(packed));
+        const int y = packed[0];
+        const int co = static_cast<Signed>(packed[1]);
+        const int cg = static_cast<Signed>(packed[2]);
+        const int full = (1 << std::bit_width(packed[3])) - 1;
+        const int alpha = packed[3] & (full >> 1);
+        const std::array<int, 4> rgba{y + co - cg, y + cg, y - co - cg, alpha << 1 | (alpha & 1)};
+        std::array<Unsigned, 4> decoded;
+        for (std::size_t k = 0; k < 4; ++k) {
+            const float value = full == 0 ? 0 : static_cast<float>(rgba[k]) * most / static_cast<float>(full);
+            decoded[k] = static_cast<Unsigned>(std::lround(std::clamp(value, 0.0F, most)));
+        }
+        std::memcpy(colors.data() + i * sizeof(decoded), decoded.data(), sizeof(decoded));
     }
 }
 
@@ -83,7 +114,7 @@ OwnedBytes unpack_meshopt(Bytes packed, const tinygltf::Value& extension, std::s
     const std::string mode = text("mode");
     const std::string filter = text("filter");
     const auto refuse = [&](const std::string& problem) {
-        throw Error("EXT_meshopt_compression: " + problem, "", export_again);
+        throw Error("meshopt compression: " + problem, "", export_again);
     };
     // The tightest encoding spends 2 bits on 16 bytes: more cannot be in it, whatever the file says.
     if (size / 64 > packed.size()) refuse(fmt::format("{} bytes cannot hold {}", packed.size(), size));
@@ -100,6 +131,12 @@ OwnedBytes unpack_meshopt(Bytes packed, const tinygltf::Value& extension, std::s
         status = mode == "TRIANGLES" ? meshopt_decodeIndexBuffer(result.data(), count, stride, source, packed.size())
                                      : meshopt_decodeIndexSequence(result.data(), count, stride, source, packed.size());
     }
+    constexpr std::byte version_1{0xa1};
+    if (status != 0 && mode == "ATTRIBUTES" && packed[0] == version_1)
+        throw Error(fmt::format("KHR_meshopt_compression: its attributes are packed by version 1 of the format, which "
+                                "meshoptimizer {}.{} cannot read",
+                                MESHOPTIMIZER_VERSION / 1000, MESHOPTIMIZER_VERSION / 10 % 100),
+                    "", "Pack the level by EXT_meshopt_compression (gltfpack -cc), or not at all.");
     if (status != 0) refuse(fmt::format("its data is broken ({})", status));
 
     if (filter == "OCTAHEDRAL") {
@@ -111,6 +148,9 @@ OwnedBytes unpack_meshopt(Bytes packed, const tinygltf::Value& extension, std::s
     } else if (filter == "EXPONENTIAL") {
         if (stride % 4 != 0) refuse(fmt::format("the exponential filter cannot have {} bytes", stride));
         meshopt_decodeFilterExp(result.data(), count, stride);
+    } else if (filter == "COLOR") {
+        if (stride != 4 && stride != 8) refuse(fmt::format("the colour filter cannot have {} bytes", stride));
+        stride == 4 ? decode_colors<std::uint8_t>(result, count) : decode_colors<std::uint16_t>(result, count);
     }
     return result;
 }

@@ -8,7 +8,8 @@
 
 namespace lightgrid::gltf {
 
-/// Unpacks a buffer view by EXT_meshopt_compression. `size`: bytes of the view once unpacked, checked to be count times
+/// Unpacks a buffer view by EXT_meshopt_compression or KHR_meshopt_compression, as far as the library can that is built
+/// in: attributes of version 1 take meshoptimizer 0.23. `size`: bytes of the view once unpacked, checked to be count times
 /// stride. Throws Error.
 [[nodiscard]] OwnedBytes unpack_meshopt(Bytes packed, const tinygltf::Value& extension, std::size_t size);
 

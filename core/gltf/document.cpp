@@ -192,9 +192,12 @@ void Document::parse(Bytes text) {
     findings_.insert(findings_.end(), structure.begin(), structure.end());
 
     for (const json& buffer : std::exchange(document["buffers"], json::array())) {
-        const json::json_pointer fallback("/extensions/EXT_meshopt_compression/fallback");
+        const auto is_fallback = [&](const char* extension) {
+            const json::json_pointer fallback(fmt::format("/extensions/{}/fallback", extension));
+            return buffer.contains(fallback) && buffer[fallback] == true;
+        };
         buffers_.push_back({resource_of("buffer", buffers_.size(), buffer), buffer["byteLength"],
-                            buffer.contains(fallback) && buffer[fallback] == true});
+                            is_fallback("EXT_meshopt_compression") || is_fallback("KHR_meshopt_compression")});
     }
     for (const json& image : std::exchange(document["images"], json::array()))
         images_.push_back({resource_of("image", images_.size(), image), image.value("bufferView", -1)});
@@ -327,7 +330,7 @@ Bytes Document::buffer_bytes(int index) const {
 Bytes Document::bytes(int index) const {
     const tinygltf::BufferView& source = view(index);
     if (source.buffer < 0) return {};
-    const tinygltf::Value* compression = find_extension(source.extensions, "EXT_meshopt_compression");
+    const tinygltf::Value* compression = find_meshopt(source);
     if (compression == nullptr) return buffer_bytes(source.buffer).subspan(source.byteOffset, source.byteLength);
     return unpacked_views_[static_cast<std::size_t>(index)].get([&] {
         const auto number = [&](const char* name) {
@@ -394,6 +397,11 @@ double number_in(const tinygltf::Value& object, const char* name, double fallbac
 const tinygltf::Value* find_extension(const tinygltf::ExtensionMap& extensions, const char* name) {
     const auto found = extensions.find(name);
     return found == extensions.end() ? nullptr : &found->second;
+}
+
+const tinygltf::Value* find_meshopt(const tinygltf::BufferView& view) {
+    const tinygltf::Value* packed = find_extension(view.extensions, "KHR_meshopt_compression");
+    return packed != nullptr ? packed : find_extension(view.extensions, "EXT_meshopt_compression");
 }
 
 }  // namespace lightgrid::gltf

@@ -138,4 +138,8 @@ class Document {
 /// The object of an extension, or nullptr.
 [[nodiscard]] const tinygltf::Value* find_extension(const tinygltf::ExtensionMap& extensions, const char* name);
 
+/// How a buffer view is packed: by KHR_meshopt_compression, or by EXT_meshopt_compression, whose formats it includes. Null:
+/// it is not.
+[[nodiscard]] const tinygltf::Value* find_meshopt(const tinygltf::BufferView& view);
+
 }  // namespace lightgrid::gltf

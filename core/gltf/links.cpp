@@ -148,9 +148,10 @@ class Links {
         if (checked.byteStride > checked.byteLength) bad(place, "/byteStride", "is greater than the view");
         if (checked.byteStride != 0 && checked.target == TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER)
             harmless(place, "/byteStride", "means nothing for indices");
-        const tinygltf::Value* packed = find_extension(checked.extensions, "EXT_meshopt_compression");
+        const tinygltf::Value* packed = find_meshopt(checked);
         if (packed == nullptr) return check_range(checked.buffer, checked.byteOffset, checked.byteLength, "");
-        const std::string part = "/extensions/EXT_meshopt_compression";
+        const bool ratified = checked.extensions.contains("KHR_meshopt_compression");
+        const std::string part = fmt::format("/extensions/{}_meshopt_compression", ratified ? "KHR" : "EXT");
         const auto number = [&](const char* name) { return static_cast<std::size_t>(number_in(*packed, name, 0)); };
         check_range(static_cast<int>(number("buffer")), number("byteOffset"), number("byteLength"), part);
         if (number("count") > checked.byteLength || number("count") * number("byteStride") != checked.byteLength)

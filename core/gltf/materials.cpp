@@ -98,6 +98,7 @@ class MaterialReader {
         read_alpha_mode(source, material);
         read_base_color(source, material);
         read_transmission(source, material);
+        check_diffuse_transmission(source);
         read_emission(source, material);
         if (find_extension(source.extensions, "KHR_materials_unlit") != nullptr)
             notices_.add(place_, "KHR_materials_unlit is not followed: it is lit like any other surface");
@@ -149,6 +150,28 @@ class MaterialReader {
         if (const tinygltf::Value* volume = find_extension(source.extensions, "KHR_materials_volume");
             volume != nullptr && number_in(*volume, "thicknessFactor", 0) > 0)
             notices_.add(place_, "KHR_materials_volume is not followed: nothing is absorbed inside of it");
+    }
+
+    /// No path, cache or kept transport lets light through a surface diffusely: it is said what that leaves out.
+    void check_diffuse_transmission(const tinygltf::Material& source) {
+        const char* const name = "KHR_materials_diffuse_transmission";
+        const tinygltf::Value* transmission = find_extension(source.extensions, name);
+        if (transmission == nullptr) return;
+        const double factor = number_in(*transmission, "diffuseTransmissionFactor", 0);
+        double brightest = transmission->Has("diffuseTransmissionColorFactor") ? 0 : 1;
+        for (int i = 0; i < 3 && brightest < 1; ++i)
+            brightest =
+                std::max(brightest, transmission->Get("diffuseTransmissionColorFactor").Get(i).GetNumberAsDouble());
+        if (factor == 0) return;
+        const std::string problem = fmt::format(
+            "{} is not followed: behind it, up to {:.3g} % of the light that meets it is missing; before "
+            "it, up to {:.3g} % of what it reflects is too much",
+            name, 100 * factor * std::min(brightest, 1.0), 100 * factor);
+        if (document_.requires_extension(name))
+            throw Error(
+                problem + ", and the file requires it", "",
+                "Export the level without it, or take KHR_materials_transmission, which lets light straight on.");
+        notices_.add(place_, problem);
     }
 
     void read_emission(const tinygltf::Material& source, Material& material) {

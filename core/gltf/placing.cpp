@@ -79,6 +79,7 @@ std::size_t place_parts(const std::vector<Shape>& shapes, const std::vector<Part
         const Shape& shape = shapes[parts[i].shape];
         if (shape.is_instanced()) return;
         transform_mesh(scene.meshes[i], recentre * transform_of(shape, parts[i]), parts[i].loaded.turned);
+        scene.meshes[i].node = shape.nodes[0];
         without_area[i] = drop_triangles_without_area(scene.meshes[i]);
     });
 
@@ -96,9 +97,11 @@ std::size_t place_parts(const std::vector<Shape>& shapes, const std::vector<Part
             scene.placed.insert(scene.placed.end(), meshes_of[i].begin(), meshes_of[i].end());
             continue;
         }
-        for (const glm::dmat4& transform : shapes[i].transforms)
+        for (std::size_t k = 0; k < shapes[i].transforms.size(); ++k) {
+            const glm::dmat4& transform = shapes[i].transforms[k];
             scene.instances.push_back({static_cast<int>(scene.models.size()), glm::mat4x3(recentre * transform),
-                                       glm::determinant(glm::dmat3(transform)) < 0});
+                                       glm::determinant(glm::dmat3(transform)) < 0, shapes[i].nodes[k]});
+        }
         scene.models.push_back({std::move(meshes_of[i])});
     }
     return std::accumulate(without_area.begin(), without_area.end(), std::size_t{0});

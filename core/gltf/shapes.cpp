@@ -42,18 +42,19 @@ std::vector<Shape> find_shapes(const Document& document, const std::vector<Place
         const tinygltf::Mesh& mesh = document.mesh(node.mesh);
         const Shape::Key key = key_of(document, placed);
         if (node.skin >= 0 && is_skinned(mesh)) {
-            shapes.push_back({key, node.skin, {placed.transform}});
+            shapes.push_back({key, node.skin, {placed.transform}, {placed.index}});
             continue;
         }
         for (const glm::dmat4& transform : transforms_of(document, placed)) {
             if (is_scaled_away(transform)) continue;
             if (is_flat(glm::dmat3(transform))) {
-                shapes.push_back({key, -1, {transform}});
+                shapes.push_back({key, -1, {transform}, {placed.index}});
                 continue;
             }
             const auto [entry, added] = known.emplace(key, shapes.size());
-            if (added) shapes.push_back({key, -1, {}});
+            if (added) shapes.push_back({key, -1, {}, {}});
             shapes[entry->second].transforms.push_back(transform);
+            shapes[entry->second].nodes.push_back(placed.index);
         }
     }
     return shapes;

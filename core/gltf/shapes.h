@@ -21,6 +21,7 @@ struct Shape {
     Key key;
     int skin = -1;                       // then it stands once, where its joints are, and `transforms` says nothing
     std::vector<glm::dmat4> transforms;  // to level coordinates; at least one
+    std::vector<int> nodes;              // as many: where each stands
 
     /// It stands several times, and is traced as instances of one model.
     [[nodiscard]] bool is_instanced() const { return transforms.size() > 1; }

@@ -352,7 +352,22 @@ void check_buffer(Check& buffer) {
     buffer.integer("byteLength", 1, largest_size);
     buffer.required("byteLength", 1);
     const auto fallback = [](Check& extension) { extension.boolean("fallback"); };
-    buffer.extensions({{"EXT_meshopt_compression", fallback}});
+    buffer.extensions({{"EXT_meshopt_compression", fallback}, {"KHR_meshopt_compression", fallback}});
+}
+
+void check_meshopt(Check& compression, std::initializer_list<const char*> filters) {
+    compression.index("buffer", "buffers");
+    compression.required("buffer", 0);
+    compression.number("byteOffset", 0, largest_size);
+    compression.number("byteLength", 1, largest_size);
+    compression.required("byteLength", 1);
+    compression.number("byteStride", 2, 256);
+    compression.required("byteStride", 4);
+    compression.number("count", 1, largest_size);
+    compression.required("count", 1);
+    compression.one_of("mode", {"ATTRIBUTES", "TRIANGLES", "INDICES"});
+    compression.required("mode", "ATTRIBUTES");
+    compression.one_of("filter", filters);
 }
 
 void check_buffer_view(Check& view) {
@@ -365,20 +380,16 @@ void check_buffer_view(Check& view) {
     if (view.clean().contains("byteStride") && view.clean()["byteStride"].get<int>() % 4 != 0)
         view.bad("byteStride", "is not a multiple of 4");
     view.one_of("target", {34962, 34963});
-    view.extensions({{"EXT_meshopt_compression", [](Check& compression) {
-                          compression.index("buffer", "buffers");
-                          compression.required("buffer", 0);
-                          compression.number("byteOffset", 0, largest_size);
-                          compression.number("byteLength", 1, largest_size);
-                          compression.required("byteLength", 1);
-                          compression.number("byteStride", 2, 256);
-                          compression.required("byteStride", 4);
-                          compression.number("count", 1, largest_size);
-                          compression.required("count", 1);
-                          compression.one_of("mode", {"ATTRIBUTES", "TRIANGLES", "INDICES"});
-                          compression.required("mode", "ATTRIBUTES");
-                          compression.one_of("filter", {"NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL"});
-                      }}});
+    view.extensions({
+        {"EXT_meshopt_compression",
+         [](Check& c) {
+             check_meshopt(c, {"NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL"});
+         }},
+        {"KHR_meshopt_compression",
+         [](Check& c) {
+             check_meshopt(c, {"NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL", "COLOR"});
+         }},
+    });
 }
 
 void check_camera(Check& camera) {
@@ -453,6 +464,11 @@ void check_material(Check& material) {
              c.object("diffuseTexture", check_texture_use);
          }},
         {"KHR_materials_unlit", [](Check&) {}},
+        {"KHR_materials_diffuse_transmission",
+         [](Check& c) {
+             c.number("diffuseTransmissionFactor", 0, 1);
+             c.numbers("diffuseTransmissionColorFactor", 3, 0);
+         }},
         {"KHR_materials_volume", [](Check& c) { c.number("thicknessFactor"); }},
     });
 }

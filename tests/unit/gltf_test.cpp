@@ -743,6 +743,29 @@ TEST(Gltf, WebpTakesTheImageOfItsExtension) {
     EXPECT_EQ(load(builder).textures.at(0).image.pixels[0], glm::u8vec4(1, 2, 3, 255));
 }
 
+TEST(Gltf, LightThatAMaterialWouldLetThroughDiffuselyIsNamedOrRefused) {
+    const char* const name = "KHR_materials_diffuse_transmission";
+    const auto leaf = [&](double factor) {
+        GltfBuilder builder = with_material({{"name", "leaf"}});
+        builder.json["materials"][0]["extensions"][name] = {{"diffuseTransmissionFactor", factor},
+                                                            {"diffuseTransmissionColorFactor", {0.2, 0.8, 0.4}}};
+        return builder;
+    };
+    GltfBuilder used = leaf(0.25);
+    used.use(name);
+    const std::string notices = joined(load(used).notices);
+    EXPECT_TRUE(contains(notices,
+                         "material \"leaf\": KHR_materials_diffuse_transmission is not followed: behind it, "
+                         "up to 20 % of the light that meets it is missing"));
+    EXPECT_TRUE(contains(notices, "up to 25 % of what it reflects is too much"));
+    GltfBuilder required = leaf(0.25);
+    required.require(name);
+    EXPECT_TRUE(contains(error_of(required), "material \"leaf\": KHR_materials_diffuse_transmission is not followed"));
+    GltfBuilder opaque = leaf(0);
+    opaque.require(name);
+    EXPECT_FALSE(contains(joined(load(opaque).notices), name));
+}
+
 // Lights and markers
 
 GltfBuilder with_light(json light, json node = json::object()) {
