@@ -10,6 +10,7 @@
 #include "probes/bake.h"
 #include "probes/kept_transport.h"
 #include "probes/layers.h"
+#include "probes/shut_out.h"
 #include "probes/volume_file.h"
 #include "tools/bake_report.h"
 #include "tools/csv.h"
@@ -25,6 +26,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstring>
 #include <ctime>
 #include <filesystem>
 #include <limits>
@@ -251,6 +253,23 @@ std::string quoted(const std::string& word) {
     return safe + "'";
 }
 
+/// A pattern of --ignore that fits this name and no other.
+std::string exact_pattern(const std::string& name) {
+    std::string pattern;
+    for (const char c : name)
+        pattern += std::strchr("*?[\\", c) != nullptr ? fmt::format("\\{}", c) : std::string(1, c);
+    return pattern;
+}
+
+/// What tells the user of a light that brings nothing, and how to let it in.
+std::string shut_out_text(const ShutOut& shut_out, std::size_t probes) {
+    const std::string text = fmt::format("no light of {} was found at any of {} probes", shut_out.light, probes);
+    if (shut_out.mesh.empty()) return text;
+    const std::string pattern = exact_pattern(shut_out.mesh);
+    return fmt::format("{}: mesh \"{}\" is all around and stops it. Where it should not, --ignore {} leaves it out",
+                       text, shut_out.mesh, quoted(pattern));
+}
+
 std::string command_line(int argc, char** argv) {
     std::string command = "level-bake";
     for (int i = 1; i < argc; ++i) command += " " + quoted(argv[i]);
@@ -360,6 +379,8 @@ int bake(const Call& call) {
                         "moved is traced",
                         call.keep_transport, kept->made.patches, kept->light.sources.count));
     }
+    const std::vector<ShutOut> shut_out = find_shut_out(paths, plan.points);
+    for (const ShutOut& out : shut_out) messages.warning(shut_out_text(out, plan.points.size()));
     if (plan.placement.valid + plan.placement.moved == 0) {
         messages.warning("no probe is valid: all are inside solids. Check the level's winding, or give a --volume");
     }
@@ -378,8 +399,9 @@ int bake(const Call& call) {
     result.stages.push_back({"save", watch.lap(), 0});
 
     const std::string date = fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)));
-    const nlohmann::json report =
-        bake_report(tracer, plan, result, options, {call.command, date, output, this_machine()});
+    nlohmann::json report = bake_report(tracer, plan, result, options, {call.command, date, output, this_machine()});
+    report["shut_out"] = nlohmann::json::array();
+    for (const ShutOut& out : shut_out) report["shut_out"].push_back({{"light", out.light}, {"mesh", out.mesh}});
     if (!call.report_json.empty()) write_whole_file(call.report_json, report.dump(2) + "\n");
     if (!call.report.empty()) {
         const auto slices = draw_report_slices(report, result.volume, tracer, light.environment);

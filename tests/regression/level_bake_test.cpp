@@ -115,6 +115,67 @@ TEST_F(LevelBake, LosesNothingWhereAnInputOrOutputIsWrong) {
     EXPECT_EQ(bytes("floor.glb"), floor);
 }
 
+TEST_F(LevelBake, LeavesOutNodesByNameAndTheOtherProgramsFollowTheVolume) {
+    const nlohmann::json lamp{
+        {"name", "lamp"}, {"translation", {0, 3, 0}}, {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}};
+    const nlohmann::json lid{{"name", "lid"}, {"mesh", 0}, {"translation", {0, 2, 0}}};
+    const std::vector<nlohmann::json> lights{{{"type", "point"}, {"intensity", 100}}};
+    write_floor("lid.glb", {lamp, lid}, lights);
+    write_floor("open.glb", {lamp}, lights);
+    write("p.csv", "x,y,z,nx,ny,nz\n0,1,0,0,1,0\n");
+    const std::string bake = "lid.glb --probes p.csv --samples 32 --quiet ";
+    ASSERT_EQ(run(bake + "--ignore 'l?d' -o p.exr").status, 0);
+    EXPECT_EQ(load_volume(folder() / "p.exr").settings.at("ignore"), "[\"l?d\"]");
+    const auto direct = [&](const std::string& options) {
+        const Result result = shell(
+            fmt::format("{} reference lid.glb --points p.csv --samples 32 {} | tail -n 1", LIGHTGRID_PROGRAM, options));
+        EXPECT_EQ(result.status, 0) << result.err;
+        return result.out;
+    };
+    EXPECT_EQ(direct("--ignore lid").rfind("0,1,0,0,1,0,25,25,25,", 0), 0U) << "100 cd from 2 m";
+    EXPECT_EQ(direct("").rfind("0,1,0,0,1,0,25,25,25,", 0), std::string::npos) << "the lid is in between";
+    expect_refused(bake + "--ignore lit", "no node's name fits \"lit\"");
+    expect_refused("--sky 1,1,1 --ignore lid", "no LEVEL that --ignore could be for");
+
+    // The pattern goes with the volume: a level without such a node is not the one that was baked.
+    ASSERT_EQ(run("lid.glb --ignore lid --spacing 1 --samples 32 --quiet -o v.exr").status, 0);
+    const std::string draw = fmt::format("{} draw {{}} v.exr --width 320 {{}}", LIGHTGRID_PROGRAM);
+    EXPECT_EQ(shell(fmt::format(fmt::runtime(draw), "lid.glb", "")).status, 0);
+    const Result other = shell(fmt::format(fmt::runtime(draw), "open.glb", ""));
+    EXPECT_EQ(other.status, 2);
+    EXPECT_NE(other.err.find("no node's name fits \"lid\""), std::string::npos) << other.err;
+    EXPECT_EQ(shell(fmt::format(fmt::runtime(draw), "open.glb", "--ignore ''")).status, 0);
+}
+
+TEST_F(LevelBake, NamesAMeshThatKeepsTheSunFromAllProbes) {
+    const double s = std::sqrt(0.5);  // a quarter turn: shines down
+    const nlohmann::json sun{
+        {"name", "Sun"}, {"rotation", {-s, 0, 0, s}}, {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}};
+    GltfBuilder gltf;
+    gltf.use("KHR_lights_punctual");
+    gltf.json["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "directional"}, {"intensity", 1e5}}};
+    std::vector<glm::vec3> corners;
+    for (int i = 0; i < 8; ++i) corners.emplace_back(i & 1 ? 9 : -9, i & 2 ? 9 : -9, i & 4 ? 9 : -9);
+    const int box = gltf.mesh({{"attributes", {{"POSITION", gltf.vec3s(corners)}}},
+                               {"indices", gltf.indices({1, 2, 0, 3, 2, 1, 6, 5, 4, 6, 7, 5, 4, 1, 0, 4, 5, 1,
+                                                         3, 6, 2, 7, 6, 3, 2, 4, 0, 6, 4, 2, 5, 3, 1, 7, 3, 5})}});
+    const int floor = gltf.mesh({{"attributes", {{"POSITION", gltf.vec3s({{-4, 0, 4}, {4, 0, 4}, {0, 0, -4}})}}}});
+    gltf.json["scenes"][0]["nodes"] = {gltf.node({{"mesh", floor}, {"name", "yard"}}), gltf.node(sun),
+                                       gltf.node({{"mesh", box}, {"name", "my dome*"}})};
+    write("dome.glb", gltf.glb());
+    const std::string bake = "dome.glb --volume -1,0.5,-1,1,1,1 --spacing 1 --samples 32 --method path -o v.exr --json";
+    const Result result = run(bake);
+    ASSERT_EQ(result.status, 0) << result.err;
+    EXPECT_NE(
+        result.err.find("no light of the sun \"Sun\" was found at any of 18 probes: mesh \"my dome*\" is all around "
+                        "and stops it. Where it should not, --ignore 'my dome\\*' leaves it out"),
+        std::string::npos)
+        << result.err;
+    const nlohmann::json shut_out{{{"light", "the sun \"Sun\""}, {"mesh", "my dome*"}}};
+    EXPECT_EQ(nlohmann::json::parse(result.out).at("shut_out"), shut_out);
+    EXPECT_EQ(json(bake + " --ignore 'my dome\\*'").at("shut_out"), nlohmann::json::array());
+}
+
 TEST_F(LevelBake, LeavesNothingHalfWrittenWhenItIsStopped) {
     write("hall.probes.exr", "an earlier bake");
     // A test may itself run with SIGINT ignored, which a program inherits, hence `env`.
