@@ -56,7 +56,6 @@ void Renderer::set_environment(const Environment& environment) {
 }
 
 void Renderer::set_object(const ObjectMesh& mesh) {
-    object_.reset();
     object_.emplace(gl_, shaders_, mesh);
 }
 
