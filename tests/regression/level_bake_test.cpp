@@ -156,10 +156,13 @@ TEST_F(LevelBake, NamesAMeshThatKeepsTheSunFromAllProbes) {
     gltf.json["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "directional"}, {"intensity", 1e5}}};
     std::vector<glm::vec3> corners;
     for (int i = 0; i < 8; ++i) corners.emplace_back(i & 1 ? 9 : -9, i & 2 ? 9 : -9, i & 4 ? 9 : -9);
+    gltf.add("materials", {{"pbrMetallicRoughness", {{"baseColorFactor", {0.5, 0.5, 0.5, 1}}}}});
     const int box = gltf.mesh({{"attributes", {{"POSITION", gltf.vec3s(corners)}}},
+                               {"material", 0},
                                {"indices", gltf.indices({1, 2, 0, 3, 2, 1, 6, 5, 4, 6, 7, 5, 4, 1, 0, 4, 5, 1,
                                                          3, 6, 2, 7, 6, 3, 2, 4, 0, 6, 4, 2, 5, 3, 1, 7, 3, 5})}});
-    const int floor = gltf.mesh({{"attributes", {{"POSITION", gltf.vec3s({{-4, 0, 4}, {4, 0, 4}, {0, 0, -4}})}}}});
+    const int floor =
+        gltf.mesh({{"attributes", {{"POSITION", gltf.vec3s({{-4, 0, 4}, {4, 0, 4}, {0, 0, -4}})}}}, {"material", 0}});
     gltf.json["scenes"][0]["nodes"] = {gltf.node({{"mesh", floor}, {"name", "yard"}}), gltf.node(sun),
                                        gltf.node({{"mesh", box}, {"name", "my dome*"}})};
     write("dome.glb", gltf.glb());
