@@ -37,6 +37,10 @@ ErrorPart noise_at_probes(const Volume& volume, std::span<const Batch> batches) 
     return noise;
 }
 
+bool is_black(std::span<const glm::vec3> light) {
+    return std::all_of(light.begin(), light.end(), [](glm::vec3 l) { return l == glm::vec3(0); });
+}
+
 /// The bake itself, stage by stage.
 class Bake {
   public:
@@ -294,8 +298,11 @@ class Bake {
     }
 
     void judge() {
-        result_.verdict =
-            lightgrid::judge(options_.target, {result_.error ? &*result_.error : nullptr, result_.noise.relrmse});
+        Evidence evidence{result_.error ? &*result_.error : nullptr, result_.noise.relrmse};
+        evidence.points = plan_.points.size() + held_out_.points.size();
+        evidence.is_black = is_black(result_.volume.coefficients) && held_out_.a.is_black() && held_out_.b.is_black();
+        evidence.is_tested = (paths_.lights() & ~result_.counts.tested) == 0;
+        result_.verdict = lightgrid::judge(options_.target, evidence);
     }
 
     void describe() {

@@ -16,6 +16,11 @@ constexpr std::size_t many_points = 1024;
 
 }  // namespace
 
+bool Gather::is_black() const noexcept {
+    return std::all_of(coefficients.begin(), coefficients.end(),
+                       [](const Estimate& estimate) { return estimate.mean == glm::dvec3(0); });
+}
+
 GatherSums::GatherSums(const PathTracer& paths, std::vector<glm::vec3> points, GatherOptions options)
     : paths_(&paths),
       points_(std::move(points)),

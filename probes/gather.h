@@ -45,6 +45,8 @@ struct Gather {
         const std::size_t n = static_cast<std::size_t>(bands) * bands;
         return std::span(coefficients).subspan(point * n, n);
     }
+    /// No light was found at any point.
+    [[nodiscard]] bool is_black() const noexcept;
 };
 
 /// The running sums of a gather, replicate by replicate, so that a caller can look at the result while it improves.

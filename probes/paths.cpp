@@ -89,6 +89,7 @@ class PathTracer::Dimensions {
 struct PathTracer::Aimed {
     LightSample light;
     Tracer::Way way;
+    LightSet of = 0;  // where it comes from
 };
 
 PathTracer::PathTracer(const Tracer& tracer, const Environment& environment, LightSources sources)
@@ -97,7 +98,13 @@ PathTracer::PathTracer(const Tracer& tracer, const Environment& environment, Lig
     use_.emitters = !emitters_.empty();
     use_.sky = !environment.is_black() && sources_.of_sky != LightSources::off;
     use_.environment = use_.sky && !environment.is_uniform();
-    for (std::size_t i = 0; i < scene.lights.size(); ++i) use_.lights |= sources_.light(i) != LightSources::off;
+    if (use_.emitters) lights_ |= emissive_light;
+    if (use_.sky) lights_ |= sky_light;
+    for (std::size_t i = 0; i < scene.lights.size(); ++i) {
+        if (sources_.light(i) == LightSources::off || scene.lights[i].intensity == glm::vec3(0)) continue;
+        use_.lights = true;
+        lights_ |= punctual_light(i);
+    }
     use_.reflection = std::any_of(scene.meshes.begin(), scene.meshes.end(), [&](const Mesh& mesh) {
         return scene.materials[mesh.material].base_color != glm::vec3(0);
     });
@@ -150,13 +157,14 @@ PathTracer::Aimed PathTracer::at_emitters(const Vertex& vertex, Dimensions& dime
     if (!(response > 0)) return {};
     const glm::vec3 radiance = emitter.radiance * (response / (emitter.pdf + rays_per_sample * vertex.pdf(direction)));
     return {{direction, radiance, sources_.material(tracer_->mesh(emitter.id).material)},
-            {emitter.position - vertex.origin(), 1}};
+            {emitter.position - vertex.origin(), 1},
+            emissive_light};
 }
 
 PathTracer::Aimed PathTracer::at_sky(const Vertex& vertex, const SkyLight::Sample& sample) const {
     const float response = vertex.response(sample.direction);
     if (!(response > 0)) return {};
-    return {{sample.direction, sample.radiance * response, sources_.of_sky}, {sample.direction, infinity}};
+    return {{sample.direction, sample.radiance * response, sources_.of_sky}, {sample.direction, infinity}, sky_light};
 }
 
 PathTracer::Aimed PathTracer::at_environment(const Vertex& vertex, Dimensions& dimensions) const {
@@ -166,7 +174,8 @@ PathTracer::Aimed PathTracer::at_environment(const Vertex& vertex, Dimensions& d
     const float response = vertex.response(sky.direction);
     if (!(response > 0)) return {};
     return {{sky.direction, sky.radiance * (response / (sky.pdf + vertex.pdf(sky.direction))), sources_.of_sky},
-            {sky.direction, infinity}};
+            {sky.direction, infinity},
+            sky_light};
 }
 
 PathTracer::Aimed PathTracer::at_lights(const Vertex& vertex, Dimensions& dimensions) const {
@@ -192,14 +201,17 @@ PathTracer::Aimed PathTracer::at_lights(const Vertex& vertex, Dimensions& dimens
         if (left < 0) break;
     }
     const PunctualLight arriving = punctual_light_at(*picked, vertex.position);
+    const auto index = static_cast<std::size_t>(picked - lights.data());
     return {{arriving.direction, arriving.irradiance * (vertex.response(arriving.direction) * sum / share),
-             sources_.light(static_cast<std::size_t>(picked - lights.data()))},
-            {arriving.direction, arriving.free_distance}};
+             sources_.light(index)},
+            {arriving.direction, arriving.free_distance},
+            punctual_light(index)};
 }
 
 glm::vec3 PathTracer::arriving(const Vertex& vertex, const Aimed& aimed, PathCounts& counts) const {
     if (aimed.light.radiance == glm::vec3(0)) return glm::vec3(0);
     ++counts.shadow_rays;
+    counts.tested |= aimed.of;
     return aimed.light.radiance * tracer_->transmittance(vertex.origin(), aimed.way.direction, aimed.way.max_distance);
 }
 
@@ -213,7 +225,10 @@ void PathTracer::let_through(const Vertex& vertex, std::span<const Aimed> aimed,
                              PathCounts& counts) const {
     std::vector<Tracer::Way> ways;
     ways.reserve(aimed.size());
-    for (const Aimed& a : aimed) ways.push_back(a.way);
+    for (const Aimed& a : aimed) {
+        ways.push_back(a.way);
+        counts.tested |= a.of;
+    }
     std::vector<glm::vec3> shares(ways.size());
     counts.shadow_rays += ways.size();
     tracer_->transmittances(vertex.origin(), ways, shares);
@@ -242,6 +257,8 @@ std::vector<Hit> PathTracer::closest_hits(glm::vec3 origin, std::span<const glm:
                                           PathCounts& counts) const {
     std::vector<Hit> hits(directions.size());
     counts.rays += hits.size();
+    // A sky that is the same from everywhere is asked for by every ray, in whatever direction; others by samples of them.
+    if (use_.sky && !use_.environment) counts.tested |= sky_light;
     tracer_->closest_hits(origin, directions, hits);
     return hits;
 }
@@ -465,7 +482,10 @@ void PathTracer::gather_punctual(glm::vec3 point, std::vector<LightSample>& out,
     for (std::size_t i = 0; i < lights.size(); ++i) {
         if (sources_.light(i) == LightSources::off) continue;
         const PunctualLight light = punctual_light_at(lights[i], point);
-        aim({{light.direction, light.irradiance, sources_.light(i)}, {light.direction, light.free_distance}}, 1, aimed);
+        aim({{light.direction, light.irradiance, sources_.light(i)},
+             {light.direction, light.free_distance},
+             punctual_light(i)},
+            1, aimed);
     }
     let_through({point}, aimed, out, counts);
 }

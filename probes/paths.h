@@ -26,15 +26,25 @@ struct LightSample {
     std::uint32_t source = 0;  // of samples that were aimed at a light; 0 where a ray found it
 };
 
+/// A set of lights: bit 0 is the sky, 1 all emissive surfaces, 2 to 63 the punctual lights, by index, in turn.
+using LightSet = std::uint64_t;
+inline constexpr LightSet sky_light = 1;
+inline constexpr LightSet emissive_light = 2;
+[[nodiscard]] constexpr LightSet punctual_light(std::size_t index) noexcept {
+    return LightSet{1} << (2 + index % 62);
+}
+
 struct PathCounts {
     std::uint64_t rays = 0;  // closest-hit
     std::uint64_t shadow_rays = 0;
     std::uint64_t dropped = 0;  // samples that were not finite, counted as black
+    LightSet tested = 0;        // lights that a ray asked for where they shine, were nothing in the way
 
     PathCounts& operator+=(const PathCounts& other) {
         rays += other.rays;
         shadow_rays += other.shadow_rays;
         dropped += other.dropped;
+        tested |= other.tested;
         return *this;
     }
 };
@@ -78,6 +88,8 @@ class PathTracer {
     [[nodiscard]] const Estimators& estimators() const noexcept { return use_; }
     [[nodiscard]] const Emitters& emitters() const noexcept { return emitters_; }
     [[nodiscard]] const LightSources& sources() const noexcept { return sources_; }
+    /// All lights that shine. Where some of them were never tested (PathCounts), darkness is no evidence.
+    [[nodiscard]] LightSet lights() const noexcept { return lights_; }
 
     /// All light that arrives at a point (relative to Scene::origin) but that which comes straight from punctual lights,
     /// by gather rays along `even`, each continued as a path, and by samples of emitters and environment.
@@ -175,6 +187,7 @@ class PathTracer {
     LightSources sources_;
     Emitters emitters_;
     Estimators use_;
+    LightSet lights_ = 0;
     std::vector<char> only_reflects_;  // by material
 };
 

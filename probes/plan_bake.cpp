@@ -210,7 +210,10 @@ std::vector<LeftOut> unused_estimators(const PathTracer& paths) {
         left_out.push_back({"importance sampling of the environment", "its radiance is the same from everywhere",
                             "a shadow ray per path vertex, and its tables"});
     }
-    if (!use.lights) left_out.push_back({"punctual lights", "the level has none", "a shadow ray per path vertex"});
+    if (!use.lights) {
+        left_out.push_back({"punctual lights", scene.lights.empty() ? "the level has none" : "none of them shines",
+                            "a shadow ray per path vertex"});
+    }
     if (!use.reflection) left_out.push_back({"reflected light", "every surface is black", "all bounces"});
     std::size_t opaque = 0;
     for (const Mesh& mesh : scene.meshes) opaque += scene.materials[mesh.material].passes_light() ? 0 : 1;

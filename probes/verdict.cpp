@@ -27,7 +27,12 @@ std::string what_is_left(const ErrorReport& error, double wanted, bool counts_ba
 }  // namespace
 
 Verdict judge(const Target& target, const Evidence& evidence) {
-    if (target.samples || target.seconds) return {};
+    const bool can_miss = !target.samples && !target.seconds;
+    if (evidence.points > 0 && evidence.is_black && !evidence.is_tested) {
+        return {can_miss ? std::optional(false) : std::nullopt,
+                fmt::format("no light reached any of {} points", evidence.points)};
+    }
+    if (!can_miss) return {};
     const double wanted = target.error.value_or(default_error);
     if (evidence.error == nullptr) {
         const bool is_met = evidence.noise < wanted;

@@ -3,6 +3,7 @@
 #include "probes/error_report.h"
 #include "probes/target.h"
 
+#include <cstddef>
 #include <optional>
 #include <string>
 
@@ -13,13 +14,18 @@ namespace lightgrid {
 struct Evidence {
     const ErrorReport* error = nullptr;  // none: only the noise is known
     double noise = 0;                    // relRMSE over all probes
+    std::size_t points = 0;              // where light was gathered: probes, and points of the reference
+    bool is_black = false;               // no light came to any of them
+    bool is_tested = true;               // rays asked for every light of the level (PathTracer::lights)
 };
 
 struct Verdict {
     std::optional<bool> target_met;  // none: samples or seconds were asked for, which nothing can miss
-    std::string sentence;            // empty as well then
+    std::string sentence;            // empty as well then, but where no light was found
 };
 
+/// Black samples are no evidence where a light was never asked for: whatever the error is said to be, the target is not
+/// met. What shadow rays found dark is dark.
 [[nodiscard]] Verdict judge(const Target& target, const Evidence& evidence);
 
 }  // namespace lightgrid

@@ -79,6 +79,12 @@ void run_reference(const ReferenceOptions& options) {
     if (counts.dropped > 0) {
         warn("lightgrid", fmt::format("{} samples were not finite and count as black", counts.dropped));
     }
+    if (result.is_black() && (paths.lights() & ~counts.tested) != 0) {
+        warn("lightgrid",
+             fmt::format("no light reached any of {} points, and not every light was tested by a ray: that "
+                         "they are black is no evidence",
+                         points.positions.size()));
+    }
     options.sh ? write_coefficients(points, result) : write_irradiance(points, result);
 }
 

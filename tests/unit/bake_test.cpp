@@ -55,6 +55,23 @@ TEST(Bake, GridsDoNotGoBehindOuterWallsUnlessABoxIsAskedFor) {
     EXPECT_NEAR(last_probe_z(), 4.3, 1e-6);
 }
 
+TEST(Bake, DoesNotTakeDarknessForEvidenceWhereALightWasNeverTested) {
+    BakeOptions options;
+    options.placement.spacing = 1;
+    const auto verdict = [&](float range) {
+        Scene scene;
+        add_box(scene, add_grey(scene, 0.7F), {0, 0, 0}, {4, 4, 4}, Facing::inward);
+        scene.lights.push_back(point_light({2, 9, 2}, 100));  // behind the roof
+        scene.lights.back().range = range;
+        const TracedLevel level(std::move(scene));
+        return run_bake(level.paths, plan_bake(level.paths, options), options).verdict;
+    };
+    EXPECT_EQ(verdict(20).sentence.find("no light reached"), std::string::npos) << "dark, as shadow rays found";
+    const Verdict unknown = verdict(3);
+    EXPECT_EQ(unknown.sentence.rfind("no light reached any of ", 0), 0U) << unknown.sentence;
+    EXPECT_EQ(unknown.target_met, false);
+}
+
 TEST(Bake, MakesPatchesFinerWhoseBiasIsTooLarge) {
     const Room room;
     const BakeResult result = bake_with_patches(room, 8, {{}, 0.1, {}});

@@ -601,6 +601,90 @@ TEST(ClosedForms, ALimitOnBouncesCutsTheSeries) {
     }
 }
 
+/// A closed room with a sign on its back wall: in the wall's texture, of 2 by 1 texels, or as a quad of its own.
+Scene room_with_sign(bool in_texture) {
+    constexpr int texels = 2048;
+    constexpr float texel = 4.0F / texels;
+    Scene scene;
+    const int grey = add_grey(scene, 0.5F);
+    add_box(scene, grey, {0, 0, -0.1F}, {4, 4, 4}, Facing::inward);
+    Material sign;
+    sign.base_color = glm::vec3(0.5F);
+    sign.emission = glm::vec3(1e6F);
+    const int wall = add_quad(scene, grey, {0, 0, 0}, {4, 0, 0}, {0, 4, 0});
+    if (in_texture) {
+        Texture texture;
+        texture.image = {texels, texels,
+                         std::vector<glm::u8vec4>(std::size_t{texels} * texels, glm::u8vec4(0, 0, 0, 255))};
+        texture.nearest = true;
+        texture.image.at(1301, 703) = texture.image.at(1302, 703) = glm::u8vec4(255);
+        scene.textures.push_back(std::move(texture));
+        sign.emission_texture.texture = 0;
+        scene.meshes[wall].material = add_material(scene, sign);
+        scene.meshes[wall].uv_sets = {{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
+    } else {
+        add_quad(scene, add_material(scene, sign), {1301 * texel, 703 * texel, 1e-4F}, {2 * texel, 0, 0},
+                 {0, texel, 0});
+    }
+    return scene;
+}
+
+TEST(ClosedForms, ALitPatchInATextureLightsLikeAQuadOfItsOwn) {
+    const TracedLevel textured(room_with_sign(true));
+    const TracedLevel quad(room_with_sign(false));
+    const std::vector<glm::vec3> points = {{1, 1, 2}, {3, 3.5F, 1}, {2.6F, 1.4F, 0.5F}};
+    const GatherOptions options = options_for(some_normals, 16384);
+    const Gather of_texture = gather(textured.paths, points, options);
+    const Gather of_quad = gather(quad.paths, points, options);
+    double texture_noise = 0;
+    double quad_noise = 0;
+    for (std::size_t i = 0; i < of_quad.irradiance.size(); ++i) {
+        const Estimate& ours = of_texture.irradiance[i];
+        const Estimate& exact = of_quad.irradiance[i];
+        EXPECT_NEAR(ours.mean.x, exact.mean.x, 4 * std::hypot(ours.error.x, exact.error.x)) << i;
+        EXPECT_LT(ours.error.x, 0.05 * ours.mean.x) << i;
+        texture_noise += ours.error.x * ours.error.x;
+        quad_noise += exact.error.x * exact.error.x;
+    }
+    EXPECT_LT(texture_noise, 2 * quad_noise) << "twice the rays at most";
+
+    // What lit a bare floor straight ahead, in closed form: the same by samples and by the cache.
+    Scene alone = room_with_sign(true);
+    for (Material& material : alone.materials) material.base_color = glm::vec3(0);
+    const double size = 4.0 / 2048;
+    const std::vector<glm::dvec3> sign = {{1301 * size, 703 * size, 0},
+                                          {1303 * size, 703 * size, 0},
+                                          {1303 * size, 704 * size, 0},
+                                          {1301 * size, 704 * size, 0}};
+    expect_irradiance(TracedLevel(std::move(alone)), {1, 1, 2}, {0, 0, -1},
+                      1e6 * polygon_irradiance(sign, {1, 1, 2}, {0, 0, -1}), "a sign alone");
+}
+
+TEST(ClosedForms, RaysTellWhichLightsTheyAskedFor) {
+    const auto tested = [](const TracedLevel& level) {
+        PathCounts counts;
+        (void)gather(level.paths, {{0, 0, 0}}, options_for({}, 256), &counts);
+        return counts.tested;
+    };
+    const auto box = [] {
+        Scene scene;
+        add_box(scene, add_grey(scene, 0.5F), glm::vec3(-1), glm::vec3(1), Facing::inward);
+        return scene;
+    };
+    const auto with_lamp = [&](float candela, float range) {
+        Scene scene = box();
+        scene.lights.push_back(point_light({5, 0, 0}, candela));
+        scene.lights.back().range = range;
+        return scene;
+    };
+    EXPECT_EQ(TracedLevel(with_lamp(0, 10)).paths.lights(), 0U) << "a lamp that is off is no light";
+    EXPECT_EQ(TracedLevel(with_lamp(1, 1)).paths.lights(), punctual_light(0));
+    EXPECT_EQ(tested(TracedLevel(with_lamp(1, 10))), punctual_light(0)) << "behind a wall: found dark";
+    EXPECT_EQ(tested(TracedLevel(with_lamp(1, 1))), 0U) << "out of range of all that is met";
+    EXPECT_EQ(tested(TracedLevel(box(), white_sky)), sky_light);
+    EXPECT_EQ(tested(TracedLevel(room_with_sign(true))), emissive_light);
+}
+
 TEST(ClosedForms, EstimatorsWithoutUseAreLeftOut) {
     EXPECT_FALSE(TracedLevel({}).paths.estimators().sky);
     const TracedLevel sky({}, white_sky);

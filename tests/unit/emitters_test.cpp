@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace lightgrid {
 namespace {
@@ -38,6 +39,68 @@ TEST(Emitters, ATriangleIsSampledWithTheDensityStatedNearAndFar) {
         const double exact = polygon_solid_angle(polygon, glm::dvec3(place));
         EXPECT_NEAR(solid_angle, exact, 2e-3 * exact) << place.x << ' ' << place.y << ' ' << place.z;
     }
+}
+
+TEST(Emitters, OfATexturedTriangleWhatIsLitIsSampledWithTheDensityStated) {
+    Scene scene;
+    Material material;
+    material.emission = glm::vec3(3);
+    material.emission_texture.texture = 0;
+    Texture texture;
+    texture.image = {256, 256, std::vector<glm::u8vec4>(256 * 256, glm::u8vec4(0, 0, 0, 255))};
+    texture.nearest = true;
+    for (int i = 0; i < 64; ++i) texture.image.at(80 + i % 8, 40 + i / 8) = glm::u8vec4(255);
+    scene.textures.push_back(texture);
+    const glm::dvec3 a(0, 2, 0), b(1, 2, 0), c(0, 2, 1.5);
+    const int mesh = add_triangle(scene, add_material(scene, material), a, b, c);
+    scene.meshes[mesh].uv_sets = {{{0, 0}, {1, 0}, {0, 1}}};
+    const Tracer tracer(scene);
+    const Emitters emitters(tracer);
+    std::vector<glm::dvec3> patch;
+    for (const glm::dvec2 texel : {glm::dvec2(80, 40), {88, 40}, {88, 48}, {80, 48}})
+        patch.push_back(a + texel.x / 256 * (b - a) + texel.y / 256 * (c - a));
+    for (const glm::vec3 place : {glm::vec3(0.32F, 1.99F, 0.26F), glm::vec3(0.3F, 1.7F, 0.4F), glm::vec3(4, -6, 3)}) {
+        const EmitterCut cut = emitters.open({place}, samples);
+        const Receiver probe{place, {}, &cut};
+        double solid_angle = 0;
+        std::uint32_t lit = 0;
+        RandomStream random(9);
+        for (std::uint32_t i = 0; i < samples; ++i) {
+            const Emitters::Sample sample = emitters.sample(probe, random.next_double(), sobol_point(i, 7));
+            if (sample.radiance == glm::vec3(0)) continue;
+            ++lit;
+            const glm::vec3 towards = sample.position - place;
+            solid_angle += 1.0 / sample.pdf / samples;
+            if (i % 16 != 0) continue;
+            const Hit hit = tracer.closest_hit(place, towards);
+            const float pdf = hit.found() ? emitters.pdf(probe, hit, tracer.surface(hit, towards)) : 0;
+            if (pdf == 0) continue;
+            EXPECT_LT(std::abs(pdf / sample.pdf - 1), 2) << "a part, or by rounding the next";
+        }
+        const double exact = polygon_solid_angle(patch, glm::dvec3(place));
+        EXPECT_NEAR(solid_angle, exact, 0.02 * exact) << place.x << ' ' << place.y << ' ' << place.z;
+        EXPECT_GT(lit, samples * 8 / 10) << "most samples are of what is lit";
+    }
+    const Hit beside{{SurfaceId::none, 0, 0}, 1, {0.1F, 0.1F}};
+    EXPECT_EQ(emitters.pdf({{0, 0, 0}}, beside, tracer.surface(beside, {0, 1, 0})), 0);
+    EXPECT_TRUE(emitters.emits(beside, true)) << "what is met there by chance counts in full";
+}
+
+TEST(Emitters, ASurfaceWhoseTextureIsDarkWhereItIsReadDoesNotEmit) {
+    Scene scene;
+    Material material;
+    material.emission = glm::vec3(1);
+    material.emission_texture.texture = 0;
+    Texture texture;
+    texture.image = {8, 8, std::vector<glm::u8vec4>(64, glm::u8vec4(0, 0, 0, 255))};
+    texture.image.at(7, 7) = glm::u8vec4(255);
+    scene.textures.push_back(texture);
+    const int mesh = add_triangle(scene, add_material(scene, material), {0, 0, 0}, {1, 0, 0}, {0, 0, 1});
+    scene.meshes[mesh].uv_sets = {{{0.2F, 0.2F}, {0.6F, 0.2F}, {0.2F, 0.6F}}};
+    const Tracer tracer(scene);
+    EXPECT_TRUE(Emitters(tracer).empty());
+    scene.meshes[mesh].uv_sets = {{{0.2F, 0.2F}, {1, 0.2F}, {0.9F, 0.9F}}};
+    EXPECT_FALSE(Emitters(tracer).empty());
 }
 
 TEST(Emitters, ATriangleBringsNothingToItsOwnSurface) {

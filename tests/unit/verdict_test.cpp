@@ -50,5 +50,18 @@ TEST(Verdict, NamesThePartsThatAreInTheWay) {
     EXPECT_EQ(judge({{}, 0.02, {}}, {&error}).sentence, "target not reached: bands 4.8 %, interpolation 1.1 %");
 }
 
+TEST(Verdict, DarknessIsNoEvidenceWhereALightWasNeverTested) {
+    const ErrorReport error;
+    Evidence evidence{&error, 0, 1234, true, false};
+    EXPECT_EQ(judge({}, evidence).sentence, "no light reached any of 1234 points");
+    EXPECT_EQ(judge({}, evidence).target_met, false);
+    EXPECT_EQ(judge({512, {}, {}}, evidence).sentence, "no light reached any of 1234 points");
+    EXPECT_FALSE(judge({512, {}, {}}, evidence).target_met);
+    evidence.is_black = false;
+    EXPECT_EQ(judge({}, evidence).target_met, true);
+    evidence = {&error, 0, 1234, true, true};
+    EXPECT_EQ(judge({}, evidence).target_met, true) << "what shadow rays found dark is dark";
+}
+
 }  // namespace
 }  // namespace lightgrid
