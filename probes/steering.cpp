@@ -311,7 +311,7 @@ class Pilot {
         const auto error = [&](int bands) { return result_.bands_error[static_cast<std::size_t>(bands) - 1]; };
         // Odd bands beyond the second bring no irradiance: nothing is lost by leaving them out.
         const double goal = aimed_share * options_.target.error.value_or(0);
-        if (error(3) <= goal) {
+        if (!options_.target.error || error(3) <= goal) {
             result_.why_bands = fmt::format("3 leave {}", rounded_percent(error(3)));
         } else if (error(5) < worthwhile * error(3)) {
             result_.bands = 5;

@@ -55,9 +55,9 @@ void add_target_options(CLI::App& app, TargetOptions& options) {
         ->type_name("P%")
         ->check(checked([](const std::string& text) { static_cast<void>(parse_percentage(text)); }))
         ->group(group);
-    app.add_option(
-           "--time-budget", options.time_budget,
-           fmt::format("The best that this time buys, load included; {} s and more: 60s, 2min", least_time_budget))
+    app.add_option("--time-budget", options.time_budget,
+                   fmt::format("The best that this time buys with 3 bands, load included; {} s and more: 60s, 2min",
+                               least_time_budget))
         ->type_name("T")
         ->check(checked([](const std::string& text) {
             if (parse_duration(text) >= least_time_budget) return;

@@ -64,6 +64,27 @@ TEST(Steering, LooksNoFurtherThanItsRaysPayFor) {
     }
 }
 
+TEST(Steering, OnlyAnErrorThatIsAskedForAddsBands) {
+    const LitRoom room;
+    const auto bands_for = [&](const Target& target) {
+        Volume volume = make_volume({{glm::dvec3(0.25), glm::dvec3(0.7), glm::ivec3(6)}}, 3);
+        static_cast<void>(place_probes(volume, room.tracer, {}));
+        SteeringOptions options;
+        options.target = target;
+        options.max_probes = most_probes;
+        options.rays = 1e7;
+        const Steering steering = steer(room.paths, volume, options);
+        EXPECT_FALSE(steering.bands_error.empty()) << "what bands leave decides where refinement ends";
+        return steering.bands;
+    };
+    Target target;
+    target.error = 0.001;
+    EXPECT_EQ(bands_for(target), 5) << "3 cannot meet it here, or this test says nothing";
+    target = {};
+    target.seconds = 10;
+    EXPECT_EQ(bands_for(target), 3);
+}
+
 TEST(Steering, DoesNotDependOnHowManyThreadsThereAre) {
     const LitRoom room;
     const auto with_threads = [&](int threads) {
