@@ -29,7 +29,7 @@ constexpr std::array bindings{
     KeyBinding{Key::o, Action::object_light, "O", "light of the object: one look-up, per pixel, path-traced, constant"},
     KeyBinding{Key::b, Action::bands, "B", "bands that are used: 1, 2, 3"},
     KeyBinding{Key::n, Action::filter, "N", "nearest probe or trilinear"},
-    KeyBinding{Key::g, Action::dering, "G", "deringing of the object's light"},
+    KeyBinding{Key::g, Action::dering, "G", "deringing of the light of object and level"},
     KeyBinding{Key::h, Action::half, "H", "coefficients rounded to half"},
     KeyBinding{Key::j, Action::contact_shadow, "J", "contact shadow of the object"},
     KeyBinding{Key::k, Action::self_shadowing, "K", "what the object hides and reflects of itself"},

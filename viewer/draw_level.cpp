@@ -115,13 +115,13 @@ void LevelDrawing::set_eye(const Uniforms& uniforms, const Eye& eye, const Light
     if (light.colors) set_false_colors(uniforms, *light.colors);
 }
 
-void LevelDrawing::set_material(const Uniforms& uniforms, const Surface& surface, float exposure) const {
+void LevelDrawing::set_material(const Uniforms& uniforms, const Surface& surface, glm::vec3 emission_scale) const {
     const Material& material = surface.material;
     bind(gl_, base_color_unit, GL_TEXTURE_2D, surface.base_color);
     bind(gl_, emission_unit, GL_TEXTURE_2D, surface.emission);
     bind(gl_, transmission_unit, GL_TEXTURE_2D, surface.transmission);
     uniforms.set("base_color", glm::vec4(material.base_color, material.alpha));
-    uniforms.set("emission", material.emission * exposure);
+    uniforms.set("emission", material.emission * emission_scale);
     uniforms.set("emits", material.emits() ? 1 : 0);
     uniforms.set("double_sided", material.double_sided ? 1 : 0);
     uniforms.set("alpha_cutoff", material.alpha_mode == AlphaMode::mask ? material.alpha_cutoff : -1.0F);
@@ -153,8 +153,10 @@ void LevelDrawing::draw(const Program& program, std::span<const LevelDraw* const
         const LevelDraw& next = *draw;
         if (eye.misses(next.bounds)) continue;
         if (next.material != material) {
-            set_material(uniforms, surfaces_[static_cast<std::size_t>(next.material)], eye.exposure);
             material = next.material;
+            const auto number = static_cast<std::size_t>(material);
+            const glm::vec3 weight = light.emission_weights.empty() ? glm::vec3(1) : light.emission_weights[number];
+            set_material(uniforms, surfaces_[number], eye.exposure * weight);
             if (surfaces_[static_cast<std::size_t>(material)].front_only) {
                 gl_.Enable(GL_CULL_FACE);
             } else {

@@ -43,6 +43,7 @@ class LevelDrawing {
         const TexelBuffer* table = nullptr;  // for LevelLight::vertex
         PixelLight pixel{};                  // for LevelLight::pixel
         float gain = 1;
+        std::span<const glm::vec3> emission_weights{};  // by material, of what it emits; none: 1
         std::optional<ObjectShadow> shadow{};
         std::optional<FalseColors> colors{};  // in the place of what is lit
     };
@@ -68,7 +69,8 @@ class LevelDrawing {
     /// Puts indices where draw() may read them from.
     void stream(std::span<const std::uint32_t> indices) const;
     void set_eye(const Uniforms& uniforms, const Eye& eye, const Light& light) const;
-    void set_material(const Uniforms& uniforms, const Surface& surface, float exposure) const;
+    /// emission_scale  of its factor, exposure included
+    void set_material(const Uniforms& uniforms, const Surface& surface, glm::vec3 emission_scale) const;
 
     const Gl& gl_;
     LevelMesh mesh_;

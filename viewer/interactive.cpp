@@ -59,7 +59,7 @@ class Interactive {
           session_(std::move(show.session)) {
         if (show.flight) {
             session_.flight = std::move(show.flight);
-            session_.pose = evaluate(*session_.flight, session_.flight->start_s()).pose;
+            start_flight(session_);
             session_.touched = true;
         }
         if (own_object_) {

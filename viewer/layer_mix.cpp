@@ -35,6 +35,15 @@ LayerMix mix_of(const Volume& volume, bool has_sky) {
     return mix;
 }
 
+glm::vec3 emission_weight(const LayerMix& mix, std::string_view group) noexcept {
+    for (const std::string_view name : {group, std::string_view("other")}) {
+        for (const LayerKnob& knob : mix.knobs) {
+            if (knob.name == name) return knob.weight * knob.color;
+        }
+    }
+    return glm::vec3(1);
+}
+
 std::vector<glm::vec3> weights_of(const LayerMix& mix, const Volume& volume, const Sh36& sky) {
     std::vector<glm::vec3> weights(volume.layers.size(), glm::vec3(0));
     for (const LayerKnob& knob : mix.knobs) {

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 /// How the layers of a volume are mixed while one looks at it.
@@ -44,6 +45,12 @@ inline constexpr const char* sky_knob = "sky";
 ///
 /// has_sky  the environment that the level is shown with is not black; else the sky is uniform, and off
 [[nodiscard]] LayerMix mix_of(const Volume& volume, bool has_sky);
+
+/// What the light that a surface of this group emits is multiplied by: the knob of its layer, that of `other` where the
+/// group has none. 1 where the volume does not keep the light of lamps by groups.
+///
+/// group  empty: of none
+[[nodiscard]] glm::vec3 emission_weight(const LayerMix& mix, std::string_view group) noexcept;
 
 /// A weight for each layer of the volume.
 ///

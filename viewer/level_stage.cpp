@@ -12,6 +12,8 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <string_view>
+#include <utility>
 
 namespace lightgrid {
 namespace {
@@ -103,6 +105,13 @@ void LevelStage::mix() {
         volume_ = std::make_shared<const LitVolume>(mixed_volume(volume, weights_of(wanted, volume, sky_radiance_)));
     }
     renderer_.set_volume(volume_);
+    std::vector<glm::vec3> emission;
+    for (const Material& material : scene_.materials) {
+        const std::string_view group =
+            material.group < 0 ? std::string_view() : scene_.groups[static_cast<std::size_t>(material.group)];
+        emission.push_back(emission_weight(wanted, group));
+    }
+    renderer_.set_emission_weights(std::move(emission));
     mixed_ = wanted;
 }
 
@@ -159,8 +168,10 @@ void LevelStage::update() {
         session_.object.size = static_cast<float>(found.object_size);
         session_.lens = lens_for(glm::length(scene_.bounds.size()), found.object_size);
         session_.motion.speed = 4 * found.object_size;
-        if (!session_.flight) session_.flight = std::move(found.flight);
-        if (!session_.touched) session_.pose = evaluate(*session_.flight, session_.flight->start_s()).pose;
+        if (!session_.flight) {
+            session_.flight = std::move(found.flight);
+            if (!session_.touched) start_flight(session_);
+        }
     }
     if (baked_ != nullptr && session_.layers != mixed_) mix();
     at_click_.update();
@@ -221,7 +232,8 @@ std::optional<ClickedLight> LevelStage::clicked_light() const {
     const ReferenceLight& light = *at_click_.light;
     clicked.samples = light.samples;
     clicked.last = light.last;
-    const LookUp from = look_up(*volume_, session_.settings);
+    const LookUp from =
+        clicked_surface_ ? renderer_.level_look_up(session_.settings) : look_up(*volume_, session_.settings);
     const double bias = clicked_surface_ ? from.normal_bias : 0;
     clicked.volume = all_radiance_sh(from, light.position + bias * glm::dvec3(light.normal));
     if (session_.settings.dering && !clicked_surface_) clicked.volume = deringed(clicked.volume);

@@ -1,5 +1,6 @@
 #include "viewer/look_up.h"
 
+#include "core/parallel.h"
 #include "core/sampling.h"
 #include "core/sh.h"
 
@@ -93,6 +94,18 @@ Sh36 deringed(const Sh36& radiance) {
     // It costs as the cube of the bands.
     dering_sh(std::span(sh).first(static_cast<std::size_t>(sh_size(used_bands(sh)))));
     return sh;
+}
+
+Volume deringed(Volume volume, int bands) {
+    volume.layers.clear();
+    const std::size_t size = volume.sh_size();
+    const std::size_t used = std::min(size, static_cast<std::size_t>(sh_size(bands)));
+    for_each_index(volume.slots(), [&](std::size_t slot) {
+        const std::span sh = std::span(volume.coefficients).subspan(slot * size, size);
+        std::ranges::fill(sh.subspan(used), glm::vec3(0));
+        dering_sh(sh.first(used));
+    });
+    return volume;
 }
 
 int used_bands(const Sh36& sh) {

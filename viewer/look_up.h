@@ -55,6 +55,10 @@ static_assert(std::tuple_size_v<Sh36> == most_bands * most_bands);
 /// Windowed so that no normal gets negative light (dering_sh).
 [[nodiscard]] Sh36 deringed(const Sh36& radiance);
 
+/// The same at every probe, of no more than so many bands: what lies between probes is a mean of these, so that no
+/// normal gets negative light there either. Without layers. In parallel.
+[[nodiscard]] Volume deringed(Volume volume, int bands);
+
 /// Up to the last that is not zero; at least 1.
 [[nodiscard]] int used_bands(const Sh36& sh);
 

@@ -16,6 +16,8 @@ namespace {
 
 /// As many of them as two panes can ask for, and the two before.
 constexpr std::size_t most_light_tables = 4;
+/// As it was baked, and as two panes can ask for it, for objects and for the level.
+constexpr std::size_t most_stored = 5;
 
 /// Of light that gives every surface the same irradiance E: L_0 = E / (A_0 Y_00) = 2 E / sqrt(pi).
 constexpr float uniform_first_coefficient = 2 * std::numbers::inv_sqrtpi_v<float>;
@@ -36,6 +38,7 @@ Renderer::Renderer(const Gl& gl, ShaderSources shaders)
 
 void Renderer::set_level(const Scene& scene, double longest_edge, const std::vector<bool>& outlines) {
     light_tables_.clear();
+    emission_weights_.clear();
     level_.reset();
     level_.emplace(gl_, shaders_, scene, build_level_mesh(scene, longest_edge), outlines);
     origin_ = scene.origin;
@@ -47,8 +50,8 @@ void Renderer::set_volume(std::shared_ptr<const LitVolume> volume) {
     scales_.reset();
     irradiance_legend_.reset();
     error_legend_.reset();
-    as_half_ = {};
-    as_baked_ = {.volume = std::move(volume)};
+    stored_.clear();
+    stored_.push_back({.volume = std::move(volume)});
 }
 
 void Renderer::set_environment(const Environment& environment) {
@@ -63,43 +66,59 @@ void Renderer::set_object_transfer(std::span<const float> transfer) {
     object_->set_transfer(transfer);
 }
 
-Renderer::Stored& Renderer::stored(const Settings& settings) {
-    if (!settings.half || as_baked_.volume == nullptr || as_baked_.volume->volume.half) return as_baked_;
-    if (as_half_.volume == nullptr) {
-        Volume rounded = as_baked_.volume->volume;
-        store_as_half(rounded);
-        as_half_.volume = std::make_shared<const LitVolume>(std::move(rounded));
-    }
-    return as_half_;
+Renderer::Storage Renderer::storage_of(const Settings& settings) const {
+    return {.half = settings.half && !stored_.empty() && !stored_.front().volume->volume.half};
+}
+
+Renderer::Storage Renderer::level_storage_of(const Settings& settings) const {
+    Storage storage = storage_of(settings);
+    if (settings.dering) storage.deringed = std::min(settings.bands, max_texture_bands);
+    return storage;
+}
+
+Renderer::Stored& Renderer::stored(const Storage& storage) {
+    const auto known = std::ranges::find_if(stored_, [&](const Stored& one) { return one.storage == storage; });
+    if (known != stored_.end()) return *known;
+    Volume volume = stored_.front().volume->volume;
+    if (storage.half) store_as_half(volume);
+    if (storage.deringed > 0) volume = deringed(std::move(volume), storage.deringed);
+    stored_.push_back({storage, std::make_shared<const LitVolume>(std::move(volume))});
+    return stored_.back();
 }
 
 LookUp Renderer::look_up_with(const Settings& settings) {
-    const LitVolume* lit = stored(settings).volume.get();
-    return lit == nullptr ? LookUp{} : look_up(*lit, settings);
+    return stored_.empty() ? LookUp{} : look_up(*stored(storage_of(settings)).volume, settings);
 }
 
-PixelLight Renderer::pixel_light(const Settings& settings, const LookUp& light) {
-    Stored& from = stored(settings);
+LookUp Renderer::level_look_up(const Settings& settings) {
+    return stored_.empty() ? LookUp{} : look_up(*stored(level_storage_of(settings)).volume, settings);
+}
+
+PixelLight Renderer::pixel_light(const Settings& settings) {
+    Stored& from = stored(level_storage_of(settings));
+    const LookUp light = look_up(*from.volume, settings);
     if (!from.on_card) from.on_card = upload_for_pixels(gl_, from.volume->volume, origin_, from.volume->volume.half);
     return {.volume = &*from.on_card, .filter = light.filter, .bands = light.bands, .normal_bias = light.normal_bias};
 }
 
 const TexelBuffer& Renderer::light_table(const Settings& settings) {
+    const Storage storage = level_storage_of(settings);
     const auto known = std::find_if(light_tables_.begin(), light_tables_.end(), [&](const LightTable& table) {
-        return table.filter == settings.filter && table.bands == settings.bands && table.half == settings.half;
+        return table.filter == settings.filter && table.bands == settings.bands && table.storage == storage;
     });
     if (known != light_tables_.end()) return known->table;
     look_ups_ += 2 * level_->mesh().light_rows;
     if (light_tables_.size() == most_light_tables) light_tables_.erase(light_tables_.begin());
-    const std::vector<VertexLight> light = light_level(level_->mesh(), origin_, look_up_with(settings));
+    const std::vector<VertexLight> light = light_level(level_->mesh(), origin_, level_look_up(settings));
     if (!scales_) scales_ = scales_of(light);
-    light_tables_.push_back({settings.filter, settings.bands, settings.half, level_->make_light_table(light),
+    light_tables_.push_back({settings.filter, settings.bands, storage, level_->make_light_table(light),
                              light.size() * sizeof(VertexLight)});
     return light_tables_.back().table;
 }
 
 LevelDrawing::Light Renderer::level_light(const Frame& frame, const Settings& settings, const LookUp& light) {
-    LevelDrawing::Light result{.kind = settings.level_light, .gain = settings.gain};
+    LevelDrawing::Light result{
+        .kind = settings.level_light, .gain = settings.gain, .emission_weights = emission_weights_};
     if (light.volume == nullptr) {
         result.kind = LevelLight::constant;
         result.constant = glm::vec3(std::numbers::pi_v<float>);
@@ -110,7 +129,7 @@ LevelDrawing::Light Renderer::level_light(const Frame& frame, const Settings& se
     // Errors are known at vertices only.
     if (settings.level_colors == LevelColors::standard_error) result.kind = LevelLight::vertex;
     if (result.kind == LevelLight::vertex || data) result.table = &light_table(settings);
-    if (result.kind == LevelLight::pixel) result.pixel = pixel_light(settings, light);
+    if (result.kind == LevelLight::pixel) result.pixel = pixel_light(settings);
     if (data) {
         const bool irradiance = settings.level_colors == LevelColors::irradiance;
         const LogScale scale = irradiance ? scales_->irradiance : scales_->standard_error;
@@ -131,7 +150,7 @@ void Renderer::draw_object(const Eye& eye, const Frame& frame, const Settings& s
         lighting.radiance = all_radiance_sh(light, frame.object->position);
         ++look_ups_;
         if (settings.dering) lighting.radiance = deringed(lighting.radiance);
-        if (settings.object_light == ObjectLight::pixel) lighting.pixel = pixel_light(settings, light);
+        if (settings.object_light == ObjectLight::pixel) lighting.pixel = pixel_light(settings);
     } else {
         const glm::vec3 irradiance =
             light.volume != nullptr ? light.volume->usual_light : glm::vec3(std::numbers::pi_v<float>);
@@ -144,7 +163,7 @@ void Renderer::draw_object(const Eye& eye, const Frame& frame, const Settings& s
 void Renderer::draw_data(const Eye& eye, const Frame& frame, const Settings& settings, const LookUp& light) {
     BallLook look{.bands = light.bands, .gain = settings.gain, .tone = settings.tone};
     if (settings.probes != ProbesShown::none) {
-        Stored& from = stored(settings);
+        Stored& from = stored(storage_of(settings));
         if (!from.probes) from.probes = balls_.upload(probe_balls(*from.volume, origin_));
         look.before_all = settings.probes == ProbesShown::all;
         balls_.draw(eye, *from.probes, look);
@@ -203,6 +222,8 @@ void Renderer::draw(const Frame& frame, std::span<const Pane> panes, glm::ivec2 
     const Settings& first = panes.front().settings;
     exposure_ = exposure_of(first, look_up_with(first), frame.pose, albedo_);
     look_ups_ = 0;
+    // Not while a pane is drawn, which reads them.
+    if (stored_.size() > most_stored) stored_.erase(stored_.begin() + 1, stored_.end());
     target_.begin();
     for (const Pane& pane : panes) draw_pane(frame, pane);
     target_.resolve();
@@ -215,10 +236,9 @@ void Renderer::draw(const Frame& frame, std::span<const Pane> panes, glm::ivec2 
 
 std::size_t Renderer::bytes_of_light() const {
     std::size_t bytes = 0;
-    for (const Stored* stored : {&as_baked_, &as_half_}) {
-        if (stored->volume == nullptr) continue;
-        const Volume& volume = stored->volume->volume;
-        if (stored->on_card) bytes += stored->on_card->bytes;
+    for (const Stored& stored : stored_) {
+        const Volume& volume = stored.volume->volume;
+        if (stored.on_card) bytes += stored.on_card->bytes;
         bytes += volume.states.size() * sizeof(ProbeState) + volume.coefficients.size() * sizeof(glm::vec3);
     }
     for (const LightTable& table : light_tables_) bytes += table.bytes;

@@ -14,6 +14,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace lightgrid {
@@ -47,6 +48,8 @@ class Renderer {
     void set_level(const Scene& scene, double longest_edge, const std::vector<bool>& outlines);
     /// The light; the level is lit anew when it is next drawn.
     void set_volume(std::shared_ptr<const LitVolume> volume);
+    /// What each of the level's materials emits is multiplied by; none: 1.
+    void set_emission_weights(std::vector<glm::vec3> by_material) { emission_weights_ = std::move(by_material); }
     void set_environment(const Environment& environment);
     void set_object(const ObjectMesh& mesh);
     /// The object shadows itself from now on: self_shadowed_transfer of its mesh, of three bands.
@@ -59,6 +62,9 @@ class Renderer {
     /// panes    at least one; exposure is the first one's
     void draw(const Frame& frame, std::span<const Pane> panes, glm::ivec2 size, int samples);
 
+    /// How the level's surfaces look their light up under these settings: deringed where they say so.
+    [[nodiscard]] LookUp level_look_up(const Settings& settings);
+
     [[nodiscard]] const PictureTarget& target() const noexcept { return target_; }
     /// The last picture's.
     [[nodiscard]] float exposure() const noexcept { return exposure_; }
@@ -69,16 +75,24 @@ class Renderer {
     [[nodiscard]] RadianceImage read_light() const { return target_.read_light(exposure_); }
 
   private:
+    /// How a volume is stored for a look-up.
+    struct Storage {
+        bool half = false;
+        int deringed = 0;  // so many bands; 0: as it rings
+
+        bool operator==(const Storage&) const = default;
+    };
     /// The level's light under some settings.
     struct LightTable {
         Filter filter;
         int bands;
-        bool half;
+        Storage storage;
         TexelBuffer table;
         std::size_t bytes = 0;
     };
-    /// A volume in its two forms of storage; what is made of them when it is first asked for.
+    /// A volume in one of its forms; what is made of it when it is first asked for.
     struct Stored {
+        Storage storage{};
         std::shared_ptr<const LitVolume> volume{};
         std::optional<VolumeOnCard> on_card{};
         std::optional<BallTable> probes{};
@@ -88,11 +102,13 @@ class Renderer {
     void draw_object(const Eye& eye, const Frame& frame, const Settings& settings, const LookUp& light);
     void draw_data(const Eye& eye, const Frame& frame, const Settings& settings, const LookUp& light);
     void draw_legend(const Pane& pane);
-    /// The volume as `settings` want it stored.
-    [[nodiscard]] Stored& stored(const Settings& settings);
+    /// As `settings` want it for objects, which are deringed one by one, and for the level's surfaces.
+    [[nodiscard]] Storage storage_of(const Settings& settings) const;
+    [[nodiscard]] Storage level_storage_of(const Settings& settings) const;
+    [[nodiscard]] Stored& stored(const Storage& storage);
     [[nodiscard]] LookUp look_up_with(const Settings& settings);
     [[nodiscard]] const TexelBuffer& light_table(const Settings& settings);
-    [[nodiscard]] PixelLight pixel_light(const Settings& settings, const LookUp& light);
+    [[nodiscard]] PixelLight pixel_light(const Settings& settings);
     [[nodiscard]] LevelDrawing::Light level_light(const Frame& frame, const Settings& settings, const LookUp& light);
 
     const Gl& gl_;
@@ -103,10 +119,10 @@ class Renderer {
     std::optional<ObjectDrawing> object_;
     glm::dvec3 origin_{0};
     float albedo_ = grey_albedo;  // of the level
+    std::vector<glm::vec3> emission_weights_;
     BallDrawing balls_;
     LineDrawing lines_;
-    Stored as_baked_;
-    Stored as_half_;
+    std::vector<Stored> stored_;  // as it was baked, and those that were asked for since
     std::vector<LightTable> light_tables_;
     std::optional<LightScales> scales_;  // of the first light table of the volume
     std::optional<LabelDrawing> irradiance_legend_;

@@ -90,15 +90,21 @@ void record(Session& session, double seconds) {
 
 }  // namespace
 
+void start_flight(Session& session) {
+    if (!session.flight) return;
+    session.flown_s = 0;
+    session.object_mode = session.flight->keys.front().object ? ObjectMode::on_path : ObjectMode::follows;
+    session.pose = evaluate(*session.flight, session.flight->start_s()).pose;
+}
+
 void act(Session& session, Action action, Requests& requests) {
     if (apply(action, session.settings, session.bands)) return;
     switch (action) {
         case Action::fly:
             if (session.flown_s) {
                 session.flown_s.reset();
-            } else if (session.flight) {
-                session.flown_s = 0;
-                session.object_mode = session.flight->keys.front().object ? ObjectMode::on_path : ObjectMode::follows;
+            } else {
+                start_flight(session);
             }
             break;
         case Action::record:

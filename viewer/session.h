@@ -81,6 +81,9 @@ struct Requests {
     std::vector<std::string> files;  // objects and environments to take
 };
 
+/// Flies the session's flight, if it has one, from its start; the object goes its own way where it has one.
+void start_flight(Session& session);
+
 /// Carries an action out, or passes it on.
 void act(Session& session, Action action, Requests& requests);
 

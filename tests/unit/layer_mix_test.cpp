@@ -67,6 +67,17 @@ TEST(LayerMix, MixesByWeightAndColour) {
     }
 }
 
+TEST(LayerMix, WhatASurfaceEmitsFollowsItsLayer) {
+    LayerMix mix = mix_of(layered(), true);
+    mix.knobs[0].weight = 2;
+    mix.knobs[0].color = {1, 0.5F, 0};
+    mix.knobs[1].weight = 0.25F;
+    EXPECT_EQ(emission_weight(mix, "lamps"), glm::vec3(2, 1, 0));
+    EXPECT_EQ(emission_weight(mix, ""), glm::vec3(0.25F)) << "of no group";
+    EXPECT_EQ(emission_weight(mix, "signs"), glm::vec3(0.25F)) << "of a group that has no layer";
+    EXPECT_EQ(emission_weight({}, "lamps"), glm::vec3(1)) << "a volume without layers";
+}
+
 TEST(LayerMix, TurnsTheSkyAboutTheVertical) {
     const Volume volume = layered();
     LayerMix mix = mix_of(volume, true);

@@ -98,6 +98,7 @@ TEST_F(Lit, ALevelLitPerPixelShowsWhatTheSamplerSays) {
     for (const int bands : {1, 2, 3}) {  // of the volume
         set_volume(random_volume({around_wall}, bands, mostly_valid));
         settings_.level_light = LevelLight::pixel;
+        settings_.dering = false;
         for (settings_.bands = 1; settings_.bands <= bands; ++settings_.bands) {
             const auto wanted = [&](int x, int y) {
                 return 0.5F * std::numbers::inv_pi_v<float> *
@@ -108,6 +109,27 @@ TEST_F(Lit, ALevelLitPerPixelShowsWhatTheSamplerSays) {
             settings_.filter = Filter::nearest;
             // Where two probes are as near, either may answer.
             EXPECT_LT(differing(draw(), wanted), 0.01) << settings_.bands << " bands of " << bands << ", nearest";
+        }
+    }
+}
+
+TEST_F(Lit, DeringedLightOfTheLevelIsNowhereBlack) {
+    // One light a little behind the wall's plane: three bands make its front negative.
+    set_volume(even_volume({std::sqrt(1 - 0.3F * 0.3F), 0, -0.3F}, 5, 0));
+    for (const LevelLight level : {LevelLight::vertex, LevelLight::pixel}) {
+        settings_.level_light = level;
+        for (const bool dering : {false, true}) {
+            settings_.dering = dering;
+            const RadianceImage image = draw();
+            int black = 0;
+            for (int y = 0; y < size.y; ++y) {
+                for (int x = 0; x < size.x; ++x) black += image.at(x, y) == glm::vec3(0) ? 1 : 0;
+            }
+            if (dering) {
+                EXPECT_EQ(black, 0);
+            } else {
+                EXPECT_GT(black, size.x * size.y / 2) << "or this test says nothing";
+            }
         }
     }
 }

@@ -88,6 +88,25 @@ TEST_F(Picture, BothSidesReflectAndOnlyTheFrontEmits) {
     expect_light(draw(), 0.25F * light + lamp.emission);
 }
 
+TEST_F(Picture, WhatAMaterialEmitsIsWeighed) {
+    Material lamp;
+    lamp.base_color = glm::vec3(0);
+    lamp.emission = glm::vec3(7, 5, 3);
+    const int off = add_material(scene_, lamp);
+    const int dimmed = add_material(scene_, lamp);
+    add_wall(dimmed);
+    expect_light(draw(), lamp.emission);
+    std::vector<glm::vec3> weights(2, glm::vec3(0));
+    weights[static_cast<std::size_t>(dimmed)] = {0.5F, 1, 2};
+    renderer_.set_emission_weights(weights);
+    const Settings settings;
+    const Pane pane{{glm::ivec2(0), size}, settings};
+    renderer_.draw(frame_, std::span(&pane, 1), size, 1);
+    expect_light(renderer_.read_light(), weights[static_cast<std::size_t>(dimmed)] * lamp.emission);
+    EXPECT_NE(off, dimmed);
+    expect_light(draw(), lamp.emission);  // a level that is set anew
+}
+
 TEST_F(Picture, MirroredInstancesKeepTheirFront) {
     Material lamp;
     lamp.emission = glm::vec3(1);

@@ -259,6 +259,15 @@ TEST(Session, FliesThePathToItsEndUnlessAPersonSteers) {
         key.object = glm::dvec3(i, 1, 0);
         session.flight->keys.push_back(key);
     }
+    start_flight(session);
+    EXPECT_EQ(session.pose.eye.x, 0);
+    static_cast<void>(step(session, {}, 1, size));
+    EXPECT_EQ(session.pose.eye.x, 1);
+    EXPECT_EQ(session.object.position, glm::dvec3(1, 1, 0));
+    EXPECT_FALSE(session.touched) << "flying is no steering";
+
+    press(session, Key::p);
+    EXPECT_FALSE(session.flown_s);
     press(session, Key::p);
     static_cast<void>(step(session, {}, 1, size));
     EXPECT_NEAR(session.pose.eye.x, 1.01, 1e-9);
