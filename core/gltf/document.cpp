@@ -4,6 +4,7 @@
 #include "core/gltf/compression.h"
 #include "core/gltf/links.h"
 #include "core/gltf/structure.h"
+#include "core/gltf/uris.h"
 #include "core/whole_file.h"
 
 #include <fmt/format.h>
@@ -90,26 +91,6 @@ json parse_json(Bytes text) {
         reason.erase(0, reason.find("] ") == std::string::npos ? 0 : reason.find("] ") + 2);
         throw Error("is neither binary glTF nor valid JSON: " + reason, "", "Export the level again.");
     }
-}
-
-int hex_digit(char c) {
-    if (c >= '0' && c <= '9') return c - '0';
-    if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-    return c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
-}
-
-/// %20 -> space. What is no valid escape stays as it is.
-std::string percent_decoded(std::string_view uri) {
-    std::string result;
-    for (std::size_t i = 0; i < uri.size(); ++i) {
-        if (uri[i] == '%' && i + 2 < uri.size() && hex_digit(uri[i + 1]) >= 0 && hex_digit(uri[i + 2]) >= 0) {
-            result += static_cast<char>(16 * hex_digit(uri[i + 1]) + hex_digit(uri[i + 2]));
-            i += 2;
-        } else {
-            result += uri[i];
-        }
-    }
-    return result;
 }
 
 /// Source: RFC 4648, section 4; padding may be missing.
@@ -290,21 +271,18 @@ Resource Document::resource_of(const std::string& kind, std::size_t index, const
     const auto find = [&](std::string thing, std::string problem) {
         findings_.push_back({std::move(thing), resource.name, std::move(problem)});
     };
-    if (const std::size_t colon = uri.find(':'); colon < uri.find('/')) {
+    if (is_remote(uri)) {
         find(fmt::format("/{}s/{}", kind, index), fmt::format("\"{}\" is neither a relative path nor a data URI", uri));
         return resource;
     }
-    // Names may have been written without escapes, and files moved out of the folder that they were in.
-    std::error_code ignored;
-    resource.file = folder_ / percent_decoded(uri);
-    if (fs::exists(resource.file, ignored)) return resource;
-    const fs::path moved = folder_ / resource.file.filename();
-    if (const fs::path plain = folder_ / uri; fs::exists(plain, ignored)) {
-        resource.file = plain;
-    } else if (fs::is_regular_file(moved, ignored)) {
-        find("", fmt::format("\"{}\" does not exist; \"{}\" beside the level is read instead", uri,
-                             moved.filename().string()));
-        resource.file = moved;
+    const NamedFile named = find_named_file(folder_, uri);
+    resource.file = named.path;
+    if (named.backslashes) find("", "its URI has backslashes, which are read as slashes");
+    const std::string read = named.path.lexically_relative(folder_).string();
+    if (named.elsewhere) {
+        find("", fmt::format("\"{}\" does not exist; \"{}\" beside the level is read instead", uri, read));
+    } else if (named.other_case) {
+        find("", fmt::format("\"{}\" differs from \"{}\", which is read, in upper and lower case", uri, read));
     }
     return resource;
 }

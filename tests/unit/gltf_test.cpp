@@ -120,6 +120,57 @@ TEST(Gltf, FindsFilesByPercentEncodedPlainAndMovedNames) {
         }
 }
 
+TEST(Gltf, FindsFilesAsExportersOnOtherSystemsNameThem) {
+    struct Case {
+        const char* file;
+        const char* uri;
+        const char* notice;
+    };
+    const Case cases[] = {
+        {"textures/a b.bin", "textures\\a%20b.bin", "backslashes"},
+        {"textures/a b.bin", ".\\textures\\a b.bin", "backslashes"},
+        {"textures/a b.bin", "textures%5Ca%20b.bin", "backslashes"},
+        {"sub/textures/a b.bin", "sub/textures\\a b.bin", "backslashes"},
+        {"textures/a b.bin", "./textures/a b.bin", ""},
+        {"textures/a b.bin", "Textures/A%20B.BIN", "upper and lower case"},
+        {"textures/a b.bin", "TEXTURES\\A%20B.bin", "upper and lower case"},
+        {"textures/a b.bin", "C:\\work\\level\\textures\\a b.bin", "\"textures/a b.bin\" beside the level"},
+        {"a b.bin", "C:\\work\\textures\\a b.bin", "\"a b.bin\" beside the level"},
+        {"a b.bin", "C:a b.bin", "\"a b.bin\" beside the level"},
+        {"textures/a b.bin", "D:/Work/Textures/A b.bin", "\"textures/a b.bin\" beside the level"},
+        {"textures/a b.bin", "file:///C:/work/textures/a%20b.bin", "\"textures/a b.bin\" beside the level"},
+        {"textures/a b.bin", "\\\\server\\share\\textures\\a b.bin", "\"textures/a b.bin\" beside the level"},
+        {"textures/a b.bin", "/home/somebody/textures/a b.bin", "\"textures/a b.bin\" beside the level"},
+        {"textures\\a b.bin", "textures\\a b.bin", ""},
+    };
+    for (const Case& c : cases) {
+        const TemporaryFolder folder;
+        GltfBuilder builder = triangle();
+        builder.json["buffers"] = {{{"uri", c.uri}, {"byteLength", builder.data().size()}}};
+        std::filesystem::create_directories((folder.path() / c.file).parent_path());
+        write_bytes(folder.path() / c.file, builder.data());
+        write_bytes(folder.path() / "level.gltf", builder.json.dump());
+        const Scene scene = load_level(folder.path() / "level.gltf");
+        EXPECT_EQ(scene.placed.size(), 1U) << c.uri;
+        EXPECT_TRUE(contains(joined(scene.notices), c.notice)) << c.uri;
+        for (const char* word : {"backslashes", "upper and lower case", "beside the level"}) {
+            const bool said = joined(scene.notices).find(word) != std::string::npos;
+            EXPECT_FALSE(said && c.notice[0] == '\0') << c.uri << ": " << joined(scene.notices);
+        }
+    }
+}
+
+TEST(Gltf, ANameInAnotherCaseMustMeanOneFile) {
+    const TemporaryFolder folder;
+    GltfBuilder builder = triangle();
+    builder.json["buffers"] = {{{"uri", "DATA.bin"}, {"byteLength", builder.data().size()}}};
+    write_bytes(folder.path() / "level.gltf", builder.json.dump());
+    for (const char* name : {"data.bin", "Data.bin"}) write_bytes(folder.path() / name, builder.data());
+    EXPECT_THROW(static_cast<void>(load_level(folder.path() / "level.gltf")), Error);
+    std::filesystem::remove(folder.path() / "Data.bin");
+    EXPECT_EQ(load_level(folder.path() / "level.gltf").placed.size(), 1U);
+}
+
 TEST(Gltf, NamesWhatIsMissing) {
     GltfBuilder builder = triangle();
     builder.json["buffers"] = {{{"uri", "gone.bin"}, {"byteLength", 36}}};
