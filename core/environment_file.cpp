@@ -46,7 +46,7 @@ void clamp_negative(RadianceImage& image, std::vector<std::string>& notices) {
 }  // namespace
 
 LoadedEnvironment load_environment(const std::filesystem::path& path, const EnvironmentOptions& options) {
-    RadianceFile file = read_radiance(path);
+    RadianceFile file = read_radiance(path, options.layer);
     LoadedEnvironment loaded;
     loaded.notices = std::move(file.notices);
     try {

@@ -19,18 +19,20 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <iterator>
 #include <map>
-#include <optional>
+#include <set>
 
 namespace lightgrid {
 namespace {
 
 using Imath::Box2i;
 
-/// Where the colour of a part is.
+/// Where colour is in a file.
 struct Color {
     int part = 0;
-    std::string layer;                 // empty: the part's own channels
+    std::string layer;                 // of the part's channels; empty: they have none
+    std::string name;                  // of part and layer, for people; empty: both have none
     std::array<std::string, 3> names;  // of R, G, B; three times the same for luminance
     bool chroma = false;               // luminance and chroma, at lower resolution
 };
@@ -40,7 +42,8 @@ std::string lower_case(std::string text) {
     return text;
 }
 
-std::optional<Color> find_color(const Imf::ChannelList& channels) {
+/// All layers of a part that have colour, by name.
+std::vector<Color> find_colors(const Imf::ChannelList& channels) {
     std::map<std::string, std::map<std::string, std::string>> layers;  // layer, channel in lower case: full name
     for (auto it = channels.begin(); it != channels.end(); ++it) {
         const std::string name = it.name();
@@ -48,6 +51,7 @@ std::optional<Color> find_color(const Imf::ChannelList& channels) {
         const std::string layer = dot == std::string::npos ? "" : name.substr(0, dot);
         layers[layer].emplace(lower_case(name.substr(dot + 1)), name);
     }
+    std::vector<Color> colors;
     for (const auto& [layer, names] : layers) {
         const auto find = [&names = names](const char* letter, const char* word) -> std::string {
             if (const auto it = names.find(letter); it != names.end()) return it->second;
@@ -55,16 +59,20 @@ std::optional<Color> find_color(const Imf::ChannelList& channels) {
             return it != names.end() ? it->second : "";
         };
         const std::array rgb{find("r", "red"), find("g", "green"), find("b", "blue")};
-        if (!rgb[0].empty() && !rgb[1].empty() && !rgb[2].empty()) return Color{0, layer, rgb, false};
         const std::string y = find("y", "luminance");
         const bool vector = names.contains("x");  // X, Y, Z of a normal, a position, a motion
-        if (!y.empty() && !vector) return Color{0, layer, {y, y, y}, names.contains("ry") && names.contains("by")};
+        if (!rgb[0].empty() && !rgb[1].empty() && !rgb[2].empty()) {
+            colors.push_back({0, layer, layer, rgb, false});
+        } else if (!y.empty() && !vector) {
+            colors.push_back({0, layer, layer, {y, y, y}, names.contains("ry") && names.contains("by")});
+        }
     }
-    return {};
+    return colors;
 }
 
-/// The first part that is an image with colour.
-Color choose_color(const Imf::MultiPartInputFile& file, const std::string& where, std::vector<std::string>& notices) {
+/// In the order of parts, then of names.
+std::vector<Color> all_colors(const Imf::MultiPartInputFile& file, const std::string& where) {
+    std::vector<Color> colors;
     std::string all_channels;
     for (int part = 0; part < file.parts(); ++part) {
         const Imf::Header& header = file.header(part);
@@ -72,17 +80,122 @@ Color choose_color(const Imf::MultiPartInputFile& file, const std::string& where
         for (auto it = header.channels().begin(); it != header.channels().end(); ++it)
             all_channels += fmt::format("{}{}", all_channels.empty() ? "" : ", ", it.name());
         if (deep) all_channels += " (deep)";
-        std::optional<Color> color = deep ? std::nullopt : find_color(header.channels());
-        if (!color) continue;
-        color->part = part;
-        if (file.parts() > 1)
-            notices.push_back(fmt::format("part {} of {}{} was read", part + 1, file.parts(),
-                                          header.hasName() ? " (" + header.name() + ")" : ""));
-        if (!color->layer.empty()) notices.push_back(fmt::format("layer \"{}\" was read", color->layer));
-        return *color;
+        if (deep) continue;
+        for (Color& color : find_colors(header.channels())) {
+            color.part = part;
+            if (file.parts() > 1 && header.hasName() && header.name() != color.layer)
+                color.name = header.name() + (color.layer.empty() ? "" : "." + color.layer);
+            colors.push_back(std::move(color));
+        }
     }
-    throw Error(fmt::format("the OpenEXR image has no colour, only the channels {}", all_channels), where,
-                "Channels R, G and B, or Y, are needed.");
+    if (colors.empty())
+        throw Error(fmt::format("the OpenEXR image has no colour, only the channels {}", all_channels), where,
+                    "Channels R, G and B, or Y, are needed.");
+    return colors;
+}
+
+/// The words of a layer's name, in lower case: "ViewLayer.Combined", "rgba_main".
+std::vector<std::string> words_of(const std::string& name) {
+    std::vector<std::string> words(1);
+    for (const char c : lower_case(name)) {
+        if (std::isalnum(static_cast<unsigned char>(c)) != 0)
+            words.back() += c;
+        else if (!words.back().empty())
+            words.emplace_back();
+    }
+    if (words.back().empty()) words.pop_back();
+    return words;
+}
+
+/// How likely a layer is to be the picture as a whole, as renderers name theirs; lower is likelier.
+int rank_of(const std::string& name) {
+    static const std::vector<std::set<std::string>> usual = {
+        {"combined"},
+        {"beauty", "rgba", "rgb", "c", "ci", "final", "composite", "main", "master"},
+        {"color", "colour", "image", "default"}};
+    static const std::set<std::string> no_light = {"albedo",
+                                                   "ao",
+                                                   "alpha",
+                                                   "ambientocclusion",
+                                                   "occlusion",
+                                                   "bump",
+                                                   "crypto",
+                                                   "cryptoasset",
+                                                   "cryptomaterial",
+                                                   "cryptoobject",
+                                                   "denoise",
+                                                   "denoising",
+                                                   "depth",
+                                                   "id",
+                                                   "indexma",
+                                                   "indexob",
+                                                   "mask",
+                                                   "matte",
+                                                   "mist",
+                                                   "motion",
+                                                   "n",
+                                                   "normal",
+                                                   "normals",
+                                                   "object",
+                                                   "opacity",
+                                                   "p",
+                                                   "position",
+                                                   "roughness",
+                                                   "shadow",
+                                                   "st",
+                                                   "uv",
+                                                   "vector",
+                                                   "velocity",
+                                                   "z",
+                                                   "zdepth"};
+    const std::vector<std::string> words = words_of(name);
+    const auto has = [&](const std::set<std::string>& known) {
+        return std::any_of(words.begin(), words.end(), [&](const std::string& word) { return known.contains(word); });
+    };
+    if (words.empty()) return 0;
+    const int last = static_cast<int>(usual.size()) + 1;
+    if (has(no_light)) return last + 1;
+    for (std::size_t i = 0; i < usual.size(); ++i)
+        if (has(usual[i])) return static_cast<int>(i) + 1;
+    return last;
+}
+
+bool is_called(const Color& color, const std::string& asked) {
+    const std::string name = lower_case(color.name);
+    const std::string wanted = lower_case(asked);
+    return name == wanted || name.ends_with("." + wanted);
+}
+
+std::string listed(const std::vector<Color>& colors) {
+    std::string names;
+    for (const Color& color : colors)
+        names += fmt::format("{}{}", names.empty() ? "" : ", ", color.name.empty() ? "(unnamed)" : color.name);
+    return names;
+}
+
+/// asked  the name of a layer; empty: the likeliest
+Color choose_color(const Imf::MultiPartInputFile& file, const std::string& asked, const std::string& where,
+                   std::vector<std::string>& notices) {
+    std::vector<Color> colors = all_colors(file, where);
+    if (!asked.empty()) {
+        const auto whole = std::find_if(colors.begin(), colors.end(), [&](const Color& c) { return c.name == asked; });
+        if (whole != colors.end()) return *whole;
+        std::vector<Color> called;
+        std::copy_if(colors.begin(), colors.end(), std::back_inserter(called),
+                     [&](const Color& color) { return is_called(color, asked); });
+        if (called.size() == 1) return called.front();
+        throw Error(called.empty() ? fmt::format("has no layer \"{}\" with colour", asked)
+                                   : fmt::format("several layers are called \"{}\"", asked),
+                    where, fmt::format("Name one of: {}.", listed(called.empty() ? colors : called)));
+    }
+    const Color chosen = *std::min_element(
+        colors.begin(), colors.end(), [](const Color& a, const Color& b) { return rank_of(a.name) < rank_of(b.name); });
+    const std::string what = chosen.name.empty() ? "the unnamed layer" : fmt::format("layer \"{}\"", chosen.name);
+    if (colors.size() > 1)
+        notices.push_back(fmt::format("{} was read, of {}", what, listed(colors)));
+    else if (!chosen.name.empty())
+        notices.push_back(what + " was read");
+    return chosen;
 }
 
 std::int64_t area(const Box2i& window) {
@@ -175,12 +288,12 @@ RadianceImage fit(RadianceImage data, const Box2i& data_window, const Box2i& fra
     return image;
 }
 
-RadianceFile read_file(const std::string& bytes, const std::string& where) {
+RadianceFile read_file(const std::string& bytes, const std::string& where, const std::string& layer) {
     Imf::StdISStream stream;
     stream.str(bytes);
     Imf::MultiPartInputFile file(stream);
     RadianceFile result;
-    const Color color = choose_color(file, where, result.notices);
+    const Color color = choose_color(file, layer, where, result.notices);
     const Imf::Header& header = file.header(color.part);
     const Box2i data = header.dataWindow();
     check_area(data, bytes.size(), where);
@@ -227,11 +340,11 @@ bool is_exr(std::span<const std::byte> bytes) {
     return bytes.size() >= magic.size() && std::equal(magic.begin(), magic.end(), bytes.begin());
 }
 
-RadianceFile decode_exr(std::span<const std::byte> bytes, const std::string& where) {
+RadianceFile decode_exr(std::span<const std::byte> bytes, const std::string& where, const std::string& layer) {
     const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     RadianceFile file;
     try {
-        file = read_file(text, where);
+        file = read_file(text, where, layer);
     } catch (const Error&) {
         throw;
     } catch (const std::exception& problem) {  // OpenEXR's own, and of the standard library where it checks too little

@@ -240,8 +240,11 @@ float decode_srgb(std::uint8_t value) noexcept {
     return table[value];
 }
 
-RadianceFile decode_radiance(std::span<const std::byte> bytes, const std::string& where) {
-    if (is_exr(bytes)) return decode_exr(bytes, where);
+RadianceFile decode_radiance(std::span<const std::byte> bytes, const std::string& where, const std::string& layer) {
+    if (is_exr(bytes)) return decode_exr(bytes, where, layer);
+    if (!layer.empty())
+        throw Error(fmt::format("has no layer \"{}\": only OpenEXR images have layers", layer), where,
+                    "Name no layer.");
     if (is_hdr(bytes)) return decode_hdr(bytes, where);
     const ByteImage stored = decode_image(bytes, where);
     RadianceFile file{{stored.width, stored.height, {}}, Envmap::unspecified, {}};
@@ -252,9 +255,9 @@ RadianceFile decode_radiance(std::span<const std::byte> bytes, const std::string
     return file;
 }
 
-RadianceFile read_radiance(const std::filesystem::path& path) {
+RadianceFile read_radiance(const std::filesystem::path& path, const std::string& layer) {
     const std::string bytes = read_whole_file(path);
-    return decode_radiance(std::as_bytes(std::span(bytes)), path.string());
+    return decode_radiance(std::as_bytes(std::span(bytes)), path.string(), layer);
 }
 
 void write_exr(const RadianceImage& image, const std::filesystem::path& path) {

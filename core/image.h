@@ -54,17 +54,21 @@ struct RadianceFile {
 /// A picture of linear light from memory, recognised by content.
 ///
 /// OpenEXR       scanline, tiled, multi-part, any compression; level 0 of mip- and rip-maps; half, float or uint;
-///               R, G, B or luminance (Y, with or without RY and BY), of the first part and layer that has them;
-///               converted to Rec.709 where `chromaticities` says otherwise. The picture is the display window, black
+///               R, G, B or luminance (Y, with or without RY and BY). Of several layers (channels "LAYER.R", or parts by
+///               their names) the one that `layer` names, in any case, whole or by its last words ("Combined" is
+///               "ViewLayer.Combined"); else the combined or unnamed one, then beauty by its usual names, then the first
+///               that is not known for something other than light (an ambient occlusion, a normal); the choice is said.
+///               Converted to Rec.709 where `chromaticities` says otherwise. The picture is the display window, black
 ///               where the data window leaves it out; with an `envmap` attribute it is the data window, as ImfEnvmap.h
 ///               says.
 /// Radiance HDR  RGBE, run-length coded or flat, divided by EXPOSURE as its specification asks.
 /// PNG, JPEG, WebP  decoded from sRGB to [0, 1].
 ///
-/// Throws Error: an unknown format, a damaged or cut file, no colour (channels are listed), a pixel that is not finite
+/// Throws Error: an unknown format, no such layer (those that are there are listed), a damaged or cut file, no colour (channels are listed), a pixel that is not finite
 /// (named), more than max_radiance_pixels. Negative values are kept.
-[[nodiscard]] RadianceFile decode_radiance(std::span<const std::byte> bytes, const std::string& where);
-[[nodiscard]] RadianceFile read_radiance(const std::filesystem::path& path);
+[[nodiscard]] RadianceFile decode_radiance(std::span<const std::byte> bytes, const std::string& where,
+                                           const std::string& layer = {});
+[[nodiscard]] RadianceFile read_radiance(const std::filesystem::path& path, const std::string& layer = {});
 
 inline constexpr std::int64_t max_radiance_pixels = std::int64_t{1} << 28;  // 16,384 x 16,384: 3 GiB
 

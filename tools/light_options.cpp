@@ -69,6 +69,10 @@ void add_light_options(CLI::App& app, LightOptions& options) {
         ->type_name("LAYOUT")
         ->check(checked(parse_environment_layout))
         ->group(group);
+    app.add_option("--environment-layer", options.layer,
+                   "Which layer of a multi-layer OpenEXR image (default: combined or beauty, and said)")
+        ->type_name("NAME")
+        ->group(group);
     app.add_option("--environment-rotation", options.rotation_deg,
                    "Turns it counter-clockwise about +Y, seen from above")
         ->type_name("DEG")
@@ -114,10 +118,12 @@ ChosenLight choose_light(const LightOptions& options) {
         throw Error("--environment, --sky and --sun-sky exclude each other", "", "Give one of them");
     }
     if (options.environment.empty() &&
-        (options.layout != "auto" || options.rotation_deg != 0 || options.intensity != 1)) {
+        (options.layout != "auto" || !options.layer.empty() || options.rotation_deg != 0 || options.intensity != 1)) {
         throw Error(
-            "--environment-layout, --environment-rotation and --environment-intensity belong to an --environment", "",
-            "Give one, or leave them out");
+            "--environment-layout, --environment-layer, --environment-rotation and --environment-intensity belong to "
+            "an "
+            "--environment",
+            "", "Give one, or leave them out");
     }
     ChosenLight light;
     if (!options.sky.empty()) {
@@ -140,6 +146,7 @@ ChosenLight choose_light(const LightOptions& options) {
     } else if (!options.environment.empty()) {
         EnvironmentOptions environment;
         environment.layout = parse_environment_layout(options.layout);
+        environment.layer = options.layer;
         environment.rotation_deg = static_cast<float>(options.rotation_deg);
         environment.scale = static_cast<float>(options.intensity);
         LoadedEnvironment loaded = load_environment(options.environment, environment);

@@ -15,6 +15,7 @@ namespace lightgrid {
 struct LightOptions {
     std::string environment;
     std::string layout = "auto";
+    std::string layer;
     double rotation_deg = 0;
     double intensity = 1;
     std::string sky;

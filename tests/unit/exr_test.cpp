@@ -166,7 +166,7 @@ TEST(DecodeExr, ReadsLevelZeroOfTiles) {
         for (const Imf::PixelType type : {Imf::HALF, Imf::FLOAT}) expect_values(decode(write_tiles(mode, type)).image);
 }
 
-TEST(DecodeExr, ReadsTheFirstPartThatHasColour) {
+TEST(DecodeExr, PartsAreLayersByTheirNames) {
     Imf::StdOSStream stream;
     {
         std::vector<Imf::Header> headers(3, Imf::Header(width, height));
@@ -187,7 +187,7 @@ TEST(DecodeExr, ReadsTheFirstPartThatHasColour) {
     }
     const RadianceFile file = decode(stream.str());
     expect_values(file.image);
-    EXPECT_TRUE(any_notice_has(file, "part 2 of 3 (beauty)"));
+    EXPECT_TRUE(any_notice_has(file, "layer \"beauty\" was read, of beauty, other"));
 }
 
 TEST(DecodeExr, SpreadsLuminance) {
@@ -227,7 +227,62 @@ TEST(DecodeExr, FindsColourInLayersAndByName) {
     const RadianceFile both =
         decode(write_scanlines(Imf::Header(width, height), Pixels({"R", "G", "B", "a.R", "a.G", "a.B"}, Imf::FLOAT)));
     expect_values(both.image);
-    EXPECT_TRUE(both.notices.empty());
+    EXPECT_TRUE(any_notice_has(both, "the unnamed layer was read, of (unnamed), a"));
+}
+
+/// Layers of these names in one part: all pixels of the i-th are i + 1, i + 1.25, i + 1.5.
+std::string write_layers(const std::vector<std::string>& layers) {
+    std::vector<std::string> names;
+    for (const std::string& layer : layers)
+        for (const char* channel : {"R", "G", "B"}) names.push_back(layer + (layer.empty() ? "" : ".") + channel);
+    Pixels pixels(names, Imf::FLOAT);
+    for (std::size_t c = 0; c < names.size(); ++c)
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x)
+                pixels.set(names[c], x, y, static_cast<float>(c / 3 + 1) + 0.25F * static_cast<float>(c % 3));
+    return write_scanlines(Imf::Header(width, height), pixels);
+}
+
+TEST(DecodeExr, OfManyLayersTheWholePictureIsRead) {
+    // The last of each is the one that is meant.
+    const std::vector<std::vector<std::string>> cases = {
+        {"ViewLayer.AO", "ViewLayer.DiffDir", "ViewLayer.Combined"},
+        {"ViewLayer.Denoising Albedo", "ViewLayer.Noisy Image", "ViewLayer.Combined"},
+        {"AO", "diffuse", "Beauty"},
+        {"albedo", "indirect", "rgba_main"},
+        {"RenderLayer.Combined.left", ""},
+        {"AO", "shadow", "sky"},
+        {"N", "Z", "C"},
+        {"emission", "Image"},
+    };
+    for (const std::vector<std::string>& layers : cases) {
+        const RadianceFile file = decode(write_layers(layers));
+        const auto n = static_cast<float>(layers.size());
+        EXPECT_EQ(file.image.at(1, 2), glm::vec3(n, n + 0.25F, n + 0.5F)) << layers.back();
+        EXPECT_TRUE(any_notice_has(
+            file, layers.back().empty() ? "the unnamed layer" : "layer \"" + layers.back() + "\" was read, of"))
+            << layers.back();
+    }
+}
+
+TEST(DecodeExr, ALayerIsReadByItsNameOrTheEndOfIt) {
+    const std::string bytes = write_layers({"ViewLayer.AO", "ViewLayer.Combined", "Other.AO", "ao"});
+    const auto read = [&](const std::string& layer) {
+        return decode_exr(std::as_bytes(std::span(bytes)), "sky.exr", layer).image.at(0, 0).r;
+    };
+    EXPECT_EQ(read("ViewLayer.AO"), 1);
+    EXPECT_EQ(read("viewlayer.ao"), 1);
+    EXPECT_EQ(read("combined"), 2);
+    EXPECT_EQ(read("ao"), 4);
+    for (const char* wrong : {"AO", "diffuse"}) {
+        try {
+            static_cast<void>(read(wrong));
+            FAIL() << wrong;
+        } catch (const Error& error) {
+            EXPECT_NE(std::string(error.what()).find("Name one of: "), std::string::npos) << error.what();
+            EXPECT_NE(std::string(error.what()).find("ViewLayer.AO"), std::string::npos) << error.what();
+        }
+    }
 }
 
 TEST(DecodeExr, RefusesPicturesWithoutColour) {
