@@ -29,13 +29,13 @@ namespace {
 
 using namespace gltf;
 
-LoadedMaterials load_used_materials(const Document& document, const std::vector<Shape>& shapes, Scene& scene,
-                                    Notices& notices) {
+LoadedMaterials load_used_materials(const Document& document, const std::vector<Shape>& shapes,
+                                    const LoadOptions& options, Scene& scene, Notices& notices) {
     std::set<MaterialUse> used;
     for (const Shape& shape : shapes)
         for (const tinygltf::Primitive& primitive : document.mesh(shape.key.mesh).primitives)
             if (makes_triangles(primitive)) used.insert(material_use(document, primitive.material, shape.key.group));
-    return load_materials(document, used, scene, notices);
+    return load_materials(document, used, options, scene, notices);
 }
 
 /// The UV sets that a material reads, increasing.
@@ -197,7 +197,7 @@ Scene read_scene(const Document& document, const LoadOptions& options) {
                     [&](const PlacedNode& node) { return has_mesh(document.node(node.index)); }))
         throw Error("nothing is left of the level: every mesh is to be left out", "",
                     "Give names that fit fewer nodes.");
-    const LoadedMaterials materials = load_used_materials(document, shapes, scene, notices);
+    const LoadedMaterials materials = load_used_materials(document, shapes, options, scene, notices);
     std::vector<Part> parts = load_parts(document, shapes, materials, scene, node_transforms, notices);
     note_repairs(document, parts, notices);
     std::size_t without_area = 0;

@@ -134,6 +134,8 @@ struct Scene {
     std::vector<Box> volume_markers;        // node extras {"lightgrid": "volume"}, level coordinates
     std::vector<glm::dvec3> probe_markers;  // node extras {"lightgrid": "probe"}, level coordinates
     std::vector<std::string> node_names;    // what LoadOptions::ignore is tried on; empty: nameless
+    std::vector<std::string> missing_textures;  // that light would read, but that cannot be read: the light is not the
+                                                // level's own
     std::vector<std::string> notices;       // for the user: what was ignored, clamped or repaired, by name
     std::vector<LeftOut> left_out;
 };

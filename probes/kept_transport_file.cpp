@@ -333,7 +333,7 @@ std::uint64_t transport_fingerprint(const Scene& scene, const BakeOptions& optio
     Hasher hash;
     hash.add(version);
     const auto& [name, origin, bounds, meshes, placed, models, instances, materials, textures, lights, groups,
-                 volume_markers, probe_markers, node_names, notices, left_out] = scene;
+                 volume_markers, probe_markers, node_names, missing_textures, notices, left_out] = scene;
     hash.add(origin);
     hash.each(meshes);
     hash.each(placed);

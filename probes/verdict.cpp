@@ -32,6 +32,11 @@ Verdict judge(const Target& target, const Evidence& evidence) {
         return {can_miss ? std::optional(false) : std::nullopt,
                 fmt::format("no light reached any of {} points", evidence.points)};
     }
+    if (evidence.missing_textures > 0) {
+        return {{},
+                fmt::format("not judged: {} texture{} missing", evidence.missing_textures,
+                            evidence.missing_textures == 1 ? "" : "s")};
+    }
     if (!can_miss) return {};
     const double wanted = target.error.value_or(default_error);
     if (evidence.error == nullptr) {

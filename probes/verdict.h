@@ -17,11 +17,12 @@ struct Evidence {
     std::size_t points = 0;              // where light was gathered: probes, and points of the reference
     bool is_black = false;               // no light came to any of them
     bool is_tested = true;               // rays asked for every light of the level (PathTracer::lights)
+    std::size_t missing_textures = 0;    // whose light is not in the reference either
 };
 
 struct Verdict {
-    std::optional<bool> target_met;  // none: samples or seconds were asked for, which nothing can miss
-    std::string sentence;            // empty as well then, but where no light was found
+    std::optional<bool> target_met;  // none: samples or seconds were asked for, which nothing can miss; or not judged
+    std::string sentence;  // empty where nothing can be missed, unless no light was found or nothing is judged
 };
 
 /// Black samples are no evidence where a light was never asked for: whatever the error is said to be, the target is not

@@ -415,7 +415,7 @@ int bake(const Call& call) {
                                     call.keep_transport));
     }
     if (call.json) print(report.dump(2) + "\n");
-    return call.target.strict && !result.verdict.target_met.value_or(true) ? 1 : 0;
+    return call.target.strict && !result.verdict.target_met.value_or(scene.missing_textures.empty()) ? 1 : 0;
 }
 
 }  // namespace

@@ -14,6 +14,8 @@ namespace {
 // Names of settings.
 constexpr const char* scene_setting = "scene";
 constexpr const char* ignore_setting = "ignore";
+constexpr const char* default_albedo_setting = "default_albedo";
+constexpr const char* missing_textures_setting = "missing_textures";
 
 /// Reads a setting into `value` where it is there and `value` was not given. Settings are written as JSON.
 template <typename T>
@@ -26,6 +28,12 @@ void read(const Volume& volume, const char* name, std::optional<T>& value) {
         throw Error(fmt::format("\"{}\" does not read as level-bake writes it", found->second),
                     fmt::format("the volume's setting \"{}\"", name), "Bake the volume anew.");
     }
+}
+
+MissingTextures parse_missing_textures(const std::string& name) {
+    if (name == "warn") return MissingTextures::warn;
+    if (name == "error") return MissingTextures::error;
+    throw Error(fmt::format("{} is not known: there are warn and error", name));
 }
 
 }  // namespace
@@ -45,12 +53,27 @@ void add_level_options(CLI::App& app, LevelOptions& options) {
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
         ->allow_extra_args(false)
         ->group(group);
+    app.add_option("--default-albedo", options.default_albedo,
+                   fmt::format("Albedo of a level in which no primitive has a material (default: {:g})",
+                               LoadOptions{}.default_albedo))
+        ->type_name("A")
+        ->check(number(0, 1))
+        ->group(group);
+    app.add_option(
+           "--missing-textures", options.missing_textures,
+           "warn: textures that cannot be read are named and left out, and no error is judged; error: the level "
+           "is refused (default: warn)")
+        ->type_name("NAME")
+        ->check(checked([](const std::string& name) { static_cast<void>(parse_missing_textures(name)); }))
+        ->group(group);
 }
 
 std::vector<std::string> names_of(const LevelOptions& options) {
     std::vector<std::string> names;
     if (options.scene) names.emplace_back("--scene");
     if (options.ignore) names.emplace_back("--ignore");
+    if (options.default_albedo) names.emplace_back("--default-albedo");
+    if (options.missing_textures) names.emplace_back("--missing-textures");
     return names;
 }
 
@@ -59,17 +82,25 @@ LoadOptions load_options(const LevelOptions& options) {
     load.scene = options.scene.value_or(load.scene);
     for (const std::string& pattern : options.ignore.value_or(std::vector<std::string>{}))
         if (!pattern.empty()) load.ignore.push_back(pattern);
+    if (options.default_albedo) load.default_albedo = static_cast<float>(*options.default_albedo);
+    if (options.missing_textures) load.missing_textures = parse_missing_textures(*options.missing_textures);
     return load;
 }
 
 void record(const LevelOptions& options, Volume& volume) {
     if (options.scene) volume.settings[scene_setting] = nlohmann::json(*options.scene).dump();
     if (options.ignore) volume.settings[ignore_setting] = nlohmann::json(*options.ignore).dump();
+    if (options.default_albedo)
+        volume.settings[default_albedo_setting] = nlohmann::json(*options.default_albedo).dump();
+    if (options.missing_textures)
+        volume.settings[missing_textures_setting] = nlohmann::json(*options.missing_textures).dump();
 }
 
 LevelOptions with_recorded(LevelOptions given, const Volume& volume) {
     read(volume, scene_setting, given.scene);
     read(volume, ignore_setting, given.ignore);
+    read(volume, default_albedo_setting, given.default_albedo);
+    read(volume, missing_textures_setting, given.missing_textures);
     return given;
 }
 

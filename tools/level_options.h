@@ -15,6 +15,8 @@ namespace lightgrid {
 struct LevelOptions {
     std::optional<int> scene;                        // none: the file's own choice
     std::optional<std::vector<std::string>> ignore;  // patterns, see LoadOptions; empty ones fit nothing
+    std::optional<double> default_albedo;
+    std::optional<std::string> missing_textures;  // "warn" or "error"
 };
 
 void add_level_options(CLI::App& app, LevelOptions& options);

@@ -184,7 +184,9 @@ ObjectMesh object_from_scene(const Scene& scene) {
 }
 
 ObjectMesh load_object(const fs::path& path) {
-    return object_from_scene(is_obj(path) ? load_obj(path) : load_level(path));
+    LoadOptions white;  // an object without materials has glTF's own
+    white.default_albedo = 1;
+    return object_from_scene(is_obj(path) ? load_obj(path) : load_level(path, white));
 }
 
 void fit(ObjectMesh& object, double size) {

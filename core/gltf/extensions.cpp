@@ -9,6 +9,9 @@
 namespace lightgrid::gltf {
 namespace {
 
+/// Images of kinds that cannot be read: a texture that has no other is missing, which is said of it by name.
+const std::set<std::string> images = {"EXT_texture_avif", "KHR_texture_basisu", "MSFT_texture_dds"};
+
 const std::set<std::string> supported = {
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
@@ -59,20 +62,16 @@ const std::set<std::string> without_effect = {
 
 void check_extensions(const Document& document, Notices& notices) {
     const auto known = [](const std::string& name) {
-        return supported.contains(name) || without_effect.contains(name);
+        return supported.contains(name) || without_effect.contains(name) || images.contains(name);
     };
     std::string missing;
     for (const std::string& name : document.model().extensionsRequired)
         if (!known(name)) missing += (missing.empty() ? "" : ", ") + name;
     if (!missing.empty())
         throw Error(fmt::format("the file requires {}, which cannot be read", missing), "",
-                    missing.find("KHR_texture_basisu") != std::string::npos
-                        ? "Convert its KTX2 textures to PNG, JPEG or WebP."
-                        : "Export the level without it.");
+                    "Export the level without it.");
     for (const std::string& name : document.model().extensionsUsed)
-        // A KTX2 texture that a light path reads is refused when it comes to that.
-        if (!known(name) && name != "KHR_texture_basisu")
-            notices.add(name, "the extension is not known, and what it adds is not in the light");
+        if (!known(name)) notices.add(name, "the extension is not known, and what it adds is not in the light");
 }
 
 }  // namespace lightgrid::gltf

@@ -6,8 +6,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
+#include <optional>
+#include <set>
 #include <tuple>
 #include <utility>
 
@@ -15,14 +18,15 @@ namespace lightgrid::gltf {
 namespace {
 
 struct TextureKey {
-    int image;
-    Wrap wrap_u;
-    Wrap wrap_v;
-    bool nearest;
+    int image = -1;  // -1: there is none to read
+    Wrap wrap_u = Wrap::repeat;
+    Wrap wrap_v = Wrap::repeat;
+    bool nearest = false;
+    int broken = -1;  // index of the texture that names no image
 
     bool operator<(const TextureKey& other) const {
-        return std::tie(image, wrap_u, wrap_v, nearest) <
-               std::tie(other.image, other.wrap_u, other.wrap_v, other.nearest);
+        return std::tie(image, wrap_u, wrap_v, nearest, broken) <
+               std::tie(other.image, other.wrap_u, other.wrap_v, other.nearest, other.broken);
     }
 };
 
@@ -38,13 +42,17 @@ int image_of(const Document& document, int index) {
         return webp->Get("source").GetNumberAsInt();
     if (texture.source >= 0) return texture.source;
     const std::string where = name_of("texture", static_cast<std::size_t>(index), texture.name);
-    if (find_extension(texture.extensions, "KHR_texture_basisu") != nullptr)
-        throw Error("is KTX2 (KHR_texture_basisu), which cannot be read", where, "Convert it to PNG, JPEG or WebP.");
+    for (const auto& [kind, extension] :
+         {std::pair{"KTX2", "KHR_texture_basisu"}, {"DDS", "MSFT_texture_dds"}, {"AVIF", "EXT_texture_avif"}})
+        if (find_extension(texture.extensions, extension) != nullptr)
+            throw Error(fmt::format("is {} ({}), which cannot be read", kind, extension), where,
+                        "Convert it to PNG, JPEG or WebP.");
     throw Error("has no image", where, "Give it one, or remove it from the material.");
 }
 
 TextureKey key_of(const Document& document, int index) {
-    TextureKey key{image_of(document, index), Wrap::repeat, Wrap::repeat, false};
+    TextureKey key;
+    key.image = image_of(document, index);
     if (const int sampler = document.texture(index).sampler; sampler >= 0) {
         const tinygltf::Sampler& source = document.sampler(sampler);
         key.wrap_u = wrap_of(source.wrapS);
@@ -89,6 +97,8 @@ class MaterialReader {
 
     /// What the materials read so far look up, by TextureUse::texture.
     [[nodiscard]] const std::vector<TextureKey>& textures() const { return textures_; }
+    /// Of those that name no image that could be read.
+    [[nodiscard]] const std::map<int, Error>& broken() const { return broken_; }
 
   private:
     Material read(const tinygltf::Material& source) {
@@ -203,9 +213,17 @@ class MaterialReader {
     }
     TextureUse use(int texture, int uv_set, const tinygltf::Value* transform) {
         TextureUse result;
-        const TextureKey key = key_of(document_, texture);
+        TextureKey key;
+        std::optional<Error> problem;
+        try {
+            key = key_of(document_, texture);
+        } catch (const Error& error) {
+            key.broken = texture;
+            problem = error;
+        }
         const auto [known, added] = indices_.emplace(key, static_cast<int>(textures_.size()));
         if (added) textures_.push_back(key);
+        if (problem) broken_.emplace(known->second, *problem);
         result.texture = known->second;
         result.uv_set = uv_set;
         if (transform != nullptr) {
@@ -220,17 +238,77 @@ class MaterialReader {
     std::string place_;
     std::vector<TextureKey> textures_;
     std::map<TextureKey, int> indices_;
+    std::map<int, Error> broken_;
 };
 
-std::vector<Texture> decode_textures(const Document& document, const std::vector<TextureKey>& keys) {
+/// What is left of a material without a texture that is missing.
+void leave_out_texture(Material& material, const TextureUse& use) {
+    if (&use == &material.emission_texture) material.emission = glm::vec3(0);
+    if (&use == &material.base_color_texture) material.alpha_mode = AlphaMode::opaque;
+}
+
+std::array<TextureUse*, 3> texture_uses(Material& material) {
+    return {&material.base_color_texture, &material.transmission_texture, &material.emission_texture};
+}
+
+/// Takes the missing ones out of scene.textures and of the materials that read them.
+///
+/// problems  by index in scene.textures
+void leave_out_missing(const std::map<int, Error>& problems, const LoadedMaterials& loaded, Scene& scene,
+                       Notices& notices) {
+    constexpr std::array what = {"its base colour is the factor, opaque", "it transmits by the factor alone",
+                                 "it emits nothing"};
+    std::map<int, std::string> effects;  // by texture: on which material, and which
+    for (std::size_t m = 0; m < scene.materials.size(); ++m) {
+        const std::array<TextureUse*, 3> uses = texture_uses(scene.materials[m]);
+        for (std::size_t i = 0; i < uses.size(); ++i) {
+            if (!problems.contains(uses[i]->texture)) continue;
+            std::string& effect = effects[uses[i]->texture];
+            if (effect.empty()) effect = fmt::format("{}: {}", loaded.names[m], what[i]);
+            leave_out_texture(scene.materials[m], *uses[i]);
+            *uses[i] = {};
+        }
+    }
+    std::set<std::string> named;
+    for (const auto& [texture, problem] : problems) {
+        if (!named.insert(problem.where()).second) continue;  // the same image with another sampler
+        scene.missing_textures.push_back(problem.where());
+        notices.add("",
+                    fmt::format("missing texture: {}: {}; {}", problem.where(), problem.problem(), effects[texture]));
+    }
+
+    std::vector<int> indices(scene.textures.size(), -1);
+    std::vector<Texture> kept;
+    for (std::size_t i = 0; i < scene.textures.size(); ++i) {
+        if (problems.contains(static_cast<int>(i))) continue;
+        indices[i] = static_cast<int>(kept.size());
+        kept.push_back(std::move(scene.textures[i]));
+    }
+    scene.textures = std::move(kept);
+    for (Material& material : scene.materials)
+        for (TextureUse* use : texture_uses(material))
+            if (use->used()) use->texture = indices[static_cast<std::size_t>(use->texture)];
+}
+
+/// problems  added to: of images that cannot be read, by index in the result
+std::vector<Texture> decode_textures(const Document& document, const std::vector<TextureKey>& keys,
+                                     std::map<int, Error>& problems) {
     std::map<int, std::vector<std::size_t>> uses;  // of each image
-    for (std::size_t i = 0; i < keys.size(); ++i) uses[keys[i].image].push_back(i);
+    for (std::size_t i = 0; i < keys.size(); ++i)
+        if (keys[i].image >= 0) uses[keys[i].image].push_back(i);
     const std::vector<std::pair<int, std::vector<std::size_t>>> images(uses.begin(), uses.end());
 
     std::vector<Texture> textures(keys.size());
+    std::vector<std::optional<Error>> failed(images.size());
     for_each_index(images.size(), [&](std::size_t i) {
         const auto& [image, users] = images[i];
-        ByteImage decoded = document.image(image);
+        ByteImage decoded;
+        try {
+            decoded = document.image(image);
+        } catch (const Error& error) {
+            failed[i] = error;
+            return;
+        }
         for (const std::size_t user : users) {
             textures[user].wrap_u = keys[user].wrap_u;
             textures[user].wrap_v = keys[user].wrap_v;
@@ -239,6 +317,9 @@ std::vector<Texture> decode_textures(const Document& document, const std::vector
         }
         textures[users.front()].image = std::move(decoded);
     });
+    for (std::size_t i = 0; i < images.size(); ++i)
+        if (failed[i])
+            for (const std::size_t user : images[i].second) problems.emplace(static_cast<int>(user), *failed[i]);
     return textures;
 }
 
@@ -255,8 +336,8 @@ MaterialUse material_use(const Document& document, int material, int group) {
     return {material, group >= 0 && material_emits(document, material) ? group : -1};
 }
 
-LoadedMaterials load_materials(const Document& document, const std::set<MaterialUse>& used, Scene& scene,
-                               Notices& notices) {
+LoadedMaterials load_materials(const Document& document, const std::set<MaterialUse>& used, const LoadOptions& options,
+                               Scene& scene, Notices& notices) {
     MaterialReader reader(document, notices);
     LoadedMaterials loaded;
     std::map<int, Material> read;  // by index in the file
@@ -274,7 +355,17 @@ LoadedMaterials load_materials(const Document& document, const std::set<Material
         scene.materials.emplace_back();
         loaded.names.emplace_back("no material");
     }
-    scene.textures = decode_textures(document, reader.textures());
+    const bool has_material = std::any_of(used.begin(), used.end(), [](MaterialUse use) { return use.material >= 0; });
+    if (!used.empty() && !has_material) {
+        for (Material& material : scene.materials) material.base_color = glm::vec3(options.default_albedo);
+        notices.add("", fmt::format("no primitive has a material: albedo {:g} is taken (--default-albedo)",
+                                    options.default_albedo));
+    }
+    std::map<int, Error> problems = reader.broken();
+    scene.textures = decode_textures(document, reader.textures(), problems);
+    if (problems.empty()) return loaded;
+    if (options.missing_textures == MissingTextures::error) throw problems.begin()->second;
+    leave_out_missing(problems, loaded, scene, notices);
     return loaded;
 }
 

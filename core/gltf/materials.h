@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/gltf.h"
 #include "core/gltf/document.h"
 #include "core/scene.h"
 
@@ -29,10 +30,11 @@ struct LoadedMaterials {
 };
 
 /// Fills scene.materials with the materials that are used, and scene.textures with what light reads of them, decoded on
-/// all threads. Textures with the same image and sampler are one.
+/// all threads. Textures with the same image and sampler are one. What has become of missing textures and of a level
+/// without materials is as load_level says.
 ///
 /// Throws Error.
-[[nodiscard]] LoadedMaterials load_materials(const Document& document, const std::set<MaterialUse>& used, Scene& scene,
-                                             Notices& notices);
+[[nodiscard]] LoadedMaterials load_materials(const Document& document, const std::set<MaterialUse>& used,
+                                             const LoadOptions& options, Scene& scene, Notices& notices);
 
 }  // namespace lightgrid::gltf

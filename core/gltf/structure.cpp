@@ -583,7 +583,10 @@ void check_texture(Check& texture) {
     texture.index("source", "images");
     texture.index("sampler", "samplers");
     const auto other_source = [](Check& c) { c.index("source", "images"); };
-    texture.extensions({{"EXT_texture_webp", other_source}, {"KHR_texture_basisu", other_source}});
+    texture.extensions({{"EXT_texture_webp", other_source},
+                        {"EXT_texture_avif", other_source},
+                        {"KHR_texture_basisu", other_source},
+                        {"MSFT_texture_dds", other_source}});
 }
 
 /// extensionsUsed or extensionsRequired: strings, each once.

@@ -6,6 +6,7 @@
 #include <glm/gtc/constants.hpp>
 
 #include <cmath>
+#include <optional>
 #include <set>
 
 namespace lightgrid {
@@ -39,6 +40,28 @@ class LevelBake : public ProgramTest {
         for (int i = 0; i < 8; ++i) corners.emplace_back(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
         write_level(name, corners, {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
                                     2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5});
+    }
+
+    /// A closed room of 6 x 3 x 6 m with a lamp of 100 cd.
+    ///
+    /// albedo  none: without a material
+    void write_room(const std::string& name, std::optional<double> albedo) const {
+        GltfBuilder gltf;
+        std::vector<glm::vec3> corners;
+        for (int i = 0; i < 8; ++i) corners.emplace_back(i & 1 ? 3 : -3, i & 2 ? 3 : 0, i & 4 ? 3 : -3);
+        nlohmann::json primitive = {{"attributes", {{"POSITION", gltf.vec3s(corners)}}},
+                                    {"indices", gltf.indices({0, 1, 2, 1, 3, 2, 4, 6, 5, 5, 6, 7, 0, 4, 1, 1, 4, 5,
+                                                              2, 3, 6, 3, 7, 6, 0, 2, 4, 2, 6, 4, 1, 5, 3, 3, 5, 7})}};
+        if (albedo) {
+            gltf.add("materials", {{"pbrMetallicRoughness", {{"baseColorFactor", {*albedo, *albedo, *albedo, 1}}}}});
+            primitive["material"] = 0;
+        }
+        gltf.node({{"mesh", gltf.mesh(primitive)}});
+        gltf.use("KHR_lights_punctual");
+        gltf.json["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "point"}, {"intensity", 100}}};
+        gltf.json["scenes"][0]["nodes"].push_back(
+            gltf.node({{"translation", {0, 2.5, 0}}, {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}}));
+        write(name, gltf.glb());
     }
 
   private:
@@ -177,6 +200,51 @@ TEST_F(LevelBake, NamesAMeshThatKeepsTheSunFromAllProbes) {
     const nlohmann::json shut_out{{{"light", "the sun \"Sun\""}, {"mesh", "my dome*"}}};
     EXPECT_EQ(nlohmann::json::parse(result.out).at("shut_out"), shut_out);
     EXPECT_EQ(json(bake + " --ignore 'my dome\\*'").at("shut_out"), nlohmann::json::array());
+}
+
+TEST_F(LevelBake, ALevelWithoutMaterialsIsGreyAndSaysSo) {
+    write_room("blockout.glb", {});
+    write_room("grey.glb", 0.8);
+    const std::string few = " --samples 64 --spacing 1.5 -o ";
+    const Result blockout = run("blockout.glb" + few + "blockout.exr");
+    ASSERT_EQ(blockout.status, 0) << blockout.err;
+    EXPECT_NE(blockout.err.find("no primitive has a material: albedo 0.8 is taken (--default-albedo)"),
+              std::string::npos)
+        << blockout.err;
+    ASSERT_EQ(run("grey.glb" + few + "grey.exr --quiet").status, 0);
+    EXPECT_EQ(load_volume(folder() / "blockout.exr").coefficients, load_volume(folder() / "grey.exr").coefficients);
+
+    ASSERT_EQ(run("blockout.glb --default-albedo 0.4" + few + "dark.exr --quiet").status, 0);
+    ASSERT_EQ(run("grey.glb --default-albedo 0.4" + few + "same.exr --quiet").status, 0);
+    const Volume dark = load_volume(folder() / "dark.exr");
+    EXPECT_EQ(dark.settings.at("default_albedo"), "0.4");
+    EXPECT_LT(dark.sh(0)[0].g, 0.8F * load_volume(folder() / "grey.exr").sh(0)[0].g);
+    EXPECT_EQ(load_volume(folder() / "same.exr").coefficients, load_volume(folder() / "grey.exr").coefficients)
+        << "where a primitive has a material, the option changes nothing";
+    expect_refused("blockout.glb --default-albedo 1.5", "1.5 is not a finite number from 0 on to 1");
+}
+
+TEST_F(LevelBake, MissingTexturesAreNamedAndNoErrorIsJudged) {
+    GltfBuilder gltf;
+    gltf.add("images", {{"uri", "gone.png"}});
+    gltf.add("textures", {{"source", 0}});
+    gltf.add("materials", {{"pbrMetallicRoughness",
+                            {{"baseColorFactor", {0.5, 0.5, 0.5, 1}}, {"baseColorTexture", {{"index", 0}}}}}});
+    gltf.node({{"mesh", gltf.mesh({{"attributes",
+                                    {{"POSITION", gltf.vec3s({{-1, 0, 1}, {1, 0, 1}, {0, 0, -1}})},
+                                     {"TEXCOORD_0", gltf.vec2s({{0, 0}, {1, 0}, {0, 1}})}}},
+                                   {"material", 0}})}});
+    write("floor.glb", gltf.glb());
+    const std::string bake = "floor.glb --sky 1,1,1 --spacing 1 --max-error 50% ";
+    const Result result = run(bake + "--json");
+    EXPECT_EQ(result.status, 0) << result.err;
+    EXPECT_NE(result.err.find("missing texture: "), std::string::npos) << result.err;
+    EXPECT_NE(result.err.find("gone.png"), std::string::npos) << result.err;
+    EXPECT_NE(result.err.find("not judged: 1 texture missing"), std::string::npos) << result.err;
+    EXPECT_TRUE(nlohmann::json::parse(result.out).at("error").at("target_met").is_null());
+    EXPECT_EQ(run(bake + "--strict").status, 1);
+    expect_refused(bake + "--missing-textures error", "gone.png");
+    expect_refused(bake + "--missing-textures maybe", "maybe is not known: there are warn and error");
 }
 
 TEST_F(LevelBake, LeavesNothingHalfWrittenWhenItIsStopped) {

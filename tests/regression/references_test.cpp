@@ -114,7 +114,9 @@ using LightAt = Light (*)(const PathTracer& paths, const std::vector<glm::vec3>&
 
 Agreement compare_level(const std::string& name, LightAt light_at) {
     const nlohmann::json reference = nlohmann::json::parse(std::ifstream(shared / "references" / (name + ".json")));
-    const Scene scene = load_level(shared / "data" / reference.at("level").get<std::string>());
+    LoadOptions white;  // as the references take levels without materials
+    white.default_albedo = 1;
+    const Scene scene = load_level(shared / "data" / reference.at("level").get<std::string>(), white);
     const Environment environment = reference_environment(reference.at("environment"));
     const Tracer tracer(scene);
     const PathTracer paths(tracer, environment);

@@ -129,7 +129,8 @@ std::string remarks(const fs::path& file) {
         std::string text;
         for (const std::string& notice : scene.notices) {
             const auto says = [&](const char* part) { return notice.find(part) != std::string::npos; };
-            if (!says("the file has no scene") && !says("the level has no triangles") && !says("its albedo is clamped"))
+            if (!says("the file has no scene") && !says("the level has no triangles") &&
+                !says("its albedo is clamped") && !says("no primitive has a material"))
                 text += notice + "\n";
         }
         return text;

@@ -621,10 +621,29 @@ TEST(Gltf, ReadsFactors) {
     EXPECT_TRUE(material.double_sided);
 }
 
-TEST(Gltf, WithoutAMaterialASurfaceIsWhite) {
-    const Scene scene = load(triangle());
-    EXPECT_EQ(scene.materials.at(0).base_color, glm::vec3(1));
-    EXPECT_TRUE(contains(joined(scene.notices), "no material: its albedo is clamped to 0.9999"));
+TEST(Gltf, WhereNothingHasAMaterialTheDefaultAlbedoIsTaken) {
+    GltfBuilder builder = triangle();
+    const Scene grey = load(builder);
+    EXPECT_EQ(grey.materials.at(0).base_color, glm::vec3(0.8F));
+    EXPECT_TRUE(contains(joined(grey.notices), "no primitive has a material: albedo 0.8 is taken (--default-albedo)"));
+    const TemporaryFolder folder;
+    write_bytes(folder.path() / "level.gltf", builder.finished().dump());
+    LoadOptions options;
+    options.default_albedo = 0.25F;
+    EXPECT_EQ(load_level(folder.path() / "level.gltf", options).materials.at(0).base_color, glm::vec3(0.25F));
+    // A material that only another scene uses is none of this level.
+    builder.add("materials", {{"name", "elsewhere"}});
+    const int other = builder.mesh({{"attributes", {{"POSITION", builder.vec3s(builder.corners())}}}, {"material", 0}});
+    const int node = builder.node({{"mesh", other}});
+    builder.json["scenes"].push_back({{"nodes", {node}}});
+    EXPECT_EQ(load(builder).materials.at(0).base_color, glm::vec3(0.8F));
+    // Where a primitive has one, glTF's white is meant.
+    builder.json["scenes"][0]["nodes"].push_back(node);
+    builder.json["scenes"].erase(1);
+    const Scene mixed = load(builder);
+    ASSERT_EQ(mixed.materials.size(), 2U);
+    for (const Material& material : mixed.materials) EXPECT_EQ(material.base_color, glm::vec3(1));
+    EXPECT_EQ(joined(mixed.notices).find("--default-albedo"), std::string::npos);
 }
 
 TEST(Gltf, ClampsBaseColourWithANotice) {
@@ -773,16 +792,78 @@ TEST(Gltf, ReadsImagesFromBufferViews) {
     EXPECT_EQ(load(builder.glb(), "level.glb").textures.at(0).image.pixels, two_texels().pixels);
 }
 
-TEST(Gltf, Ktx2IsRefusedByNameUnlessThereIsAnotherImage) {
+TEST(Gltf, Ktx2IsMissingUnlessThereIsAnotherImage) {
     GltfBuilder builder = with_material({{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}});
-    builder.use("KHR_texture_basisu");
+    builder.require("KHR_texture_basisu");
     builder.texture(two_texels());
     builder.json["textures"][0]["extensions"]["KHR_texture_basisu"]["source"] = 0;
     EXPECT_EQ(load(builder).textures.size(), 1U);
     builder.json["textures"][0].erase("source");
-    EXPECT_TRUE(contains(error_of(builder), "KHR_texture_basisu"));
-    builder.json["extensionsRequired"] = {"KHR_texture_basisu"};
-    EXPECT_TRUE(contains(error_of(builder), "the file requires KHR_texture_basisu"));
+    const Scene scene = load(builder);
+    EXPECT_EQ(scene.missing_textures, std::vector<std::string>{"texture 0"});
+    EXPECT_TRUE(contains(joined(scene.notices), "texture 0: is KTX2 (KHR_texture_basisu)"));
+}
+
+TEST(Gltf, OfAMissingTextureTheFactorIsLeftAndNoEmission) {
+    GltfBuilder builder = with_material(
+        {{"pbrMetallicRoughness", {{"baseColorFactor", {0.5, 0.25, 1, 0.5}}, {"baseColorTexture", {{"index", 0}}}}},
+         {"alphaMode", "BLEND"},
+         {"emissiveFactor", {1, 1, 1}},
+         {"emissiveTexture", {{"index", 1}}},
+         {"extensions",
+          {{"KHR_materials_transmission", {{"transmissionFactor", 0.5}, {"transmissionTexture", {{"index", 2}}}}}}}});
+    builder.use("KHR_materials_transmission");
+    for (int i = 0; i < 3; ++i) builder.texture(two_texels());
+    EXPECT_EQ(load(builder).textures.size(), 3U);
+
+    const std::string whole = builder.json["images"][0]["uri"];
+    const std::string webp = "data:image/webp;base64," + base64("RIFF\x20\0\0\0WEBPVP8 ");
+    const std::string broken[] = {"gone.png",
+                                  whole.substr(0, whole.size() - 40),
+                                  "data:image/png;base64,",
+                                  "data:image/jpeg;base64,/9j/4AAQ",
+                                  webp,
+                                  "http://example.com/a.png",
+                                  "data:image/ktx2;base64," + base64("\xabKTX 20\xbb\r\n\x1a\n")};
+    for (const std::string& uri : broken) {
+        for (int missing = 0; missing < 3; ++missing) {
+            GltfBuilder level = builder;
+            level.json["images"][missing] = {{"uri", uri}, {"name", "wood"}};
+            const Scene scene = load(level);
+            const Material& material = scene.materials.at(0);
+            EXPECT_EQ(scene.missing_textures.size(), 1U) << uri;
+            EXPECT_TRUE(contains(joined(scene.notices), "missing texture: image \"wood\"")) << uri;
+            EXPECT_EQ(scene.textures.size(), 2U);
+            EXPECT_EQ(material.base_color, glm::vec3(0.5F, 0.25F, 1));
+            EXPECT_EQ(material.base_color_texture.used(), missing != 0);
+            EXPECT_EQ(material.alpha_mode, missing == 0 ? AlphaMode::opaque : AlphaMode::blend);
+            EXPECT_EQ(material.emission, glm::vec3(missing == 1 ? 0 : 1));
+            EXPECT_EQ(material.transmission_texture.used(), missing != 2);
+            EXPECT_EQ(material.transmission, 0.5F);
+            for (const TextureUse* use :
+                 {&material.base_color_texture, &material.emission_texture, &material.transmission_texture})
+                EXPECT_LT(use->texture, 2);
+            const TemporaryFolder folder;
+            write_bytes(folder.path() / "level.gltf", level.finished().dump());
+            LoadOptions options;
+            options.missing_textures = MissingTextures::error;
+            EXPECT_THROW(static_cast<void>(load_level(folder.path() / "level.gltf", options)), Error) << uri;
+        }
+    }
+}
+
+TEST(Gltf, AMissingImageOfSeveralTexturesIsNamedOnce) {
+    GltfBuilder builder = with_material({{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}},
+                                         {"emissiveFactor", {1, 1, 1}},
+                                         {"emissiveTexture", {{"index", 1}}}});
+    builder.add("samplers", {{"wrapS", 33071}});
+    builder.add("images", {{"uri", "gone.png"}});
+    builder.add("textures", {{"source", 0}});
+    builder.add("textures", {{"source", 0}, {"sampler", 0}});
+    const Scene scene = load(builder);
+    EXPECT_EQ(scene.missing_textures.size(), 1U);
+    EXPECT_TRUE(scene.textures.empty());
+    EXPECT_FALSE(scene.materials.at(0).emits());
 }
 
 TEST(Gltf, WebpTakesTheImageOfItsExtension) {

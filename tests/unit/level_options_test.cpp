@@ -35,6 +35,18 @@ TEST(LevelOptions, AreTakenFromAVolumeWhereTheyAreNotGiven) {
     EXPECT_TRUE(load_options(with_recorded(parsed({"--ignore", ""}), volume)).ignore.empty());
 }
 
+TEST(LevelOptions, AlbedoAndTexturesAreTakenFromAVolumeToo) {
+    Volume volume;
+    record(parsed({"--default-albedo", "0.25", "--missing-textures", "error"}), volume);
+    const LoadOptions same = load_options(with_recorded(parsed({}), volume));
+    EXPECT_EQ(same.default_albedo, 0.25F);
+    EXPECT_EQ(same.missing_textures, MissingTextures::error);
+    const LoadOptions given = load_options(with_recorded(parsed({"--default-albedo", "1"}), volume));
+    EXPECT_EQ(given.default_albedo, 1);
+    EXPECT_EQ(load_options({}).default_albedo, 0.8F);
+    EXPECT_EQ(load_options({}).missing_textures, MissingTextures::warn);
+}
+
 TEST(LevelOptions, SettingsThatDoNotReadAreRefusedByName) {
     for (const char* wrong : {"dome", "{}", "[1]", "[\"dome\""}) {
         Volume volume;

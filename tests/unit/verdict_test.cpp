@@ -41,6 +41,24 @@ TEST(Verdict, TheUpperEndOfTheIntervalDecides) {
     EXPECT_EQ(judge({}, {&error}).target_met, false);
 }
 
+TEST(Verdict, WithMissingTexturesNothingIsJudged) {
+    ErrorReport error;
+    error.total = part(0.01, 0.011);
+    error.without_bands = error.total;
+    Evidence evidence{&error};
+    EXPECT_EQ(judge({{}, 0.02, {}}, evidence).target_met, true);
+    evidence.missing_textures = 1;
+    const Verdict one = judge({{}, 0.02, {}}, evidence);
+    EXPECT_FALSE(one.target_met.has_value());
+    EXPECT_EQ(one.sentence, "not judged: 1 texture missing");
+    evidence.missing_textures = 3;
+    EXPECT_EQ(judge({}, evidence).sentence, "not judged: 3 textures missing");
+    evidence.points = 7;
+    evidence.is_black = true;
+    evidence.is_tested = false;
+    EXPECT_EQ(judge({}, evidence).target_met, false) << "light that nothing asked for is missing whatever else is";
+}
+
 TEST(Verdict, NamesThePartsThatAreInTheWay) {
     ErrorReport error;
     error.total = part(0.05, 0.06);
