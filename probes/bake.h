@@ -81,8 +81,10 @@ struct BakePlan {
     std::string why_spacing;
     std::string why_samples;
     PlacementCounts placement;
-    double seconds_estimate = 0;  // of gather and error measurement, from a pilot
-    double bytes_estimate = 0;    // of memory while baking
+    double seconds_estimate = 0;    // of gather and error measurement, from a pilot
+    double reference_estimate = 0;  // of these seconds: the reference at held-out points
+    double rays_per_path = 0;       // of the reference, and of gathers without a cache, from a pilot
+    double bytes_estimate = 0;      // of memory while baking
     std::vector<LeftOut> left_out;
     std::vector<Stage> stages;
 };
@@ -123,6 +125,10 @@ struct Doing {
 };
 /// Called from any thread, one at a time. What it throws ends the work soon and comes out of plan_bake or run_bake.
 using Progress = std::function<void(const Doing& doing)>;
+
+/// Where a bake would take more than ten minutes: what takes the time and why, and how to get a first look sooner; a
+/// sentence each. Empty elsewhere, and where a time was asked for.
+[[nodiscard]] std::vector<std::string> why_slow(const BakePlan& plan, const Target& target);
 
 /// As many for every probe, whatever had been decided. Whole replicates (GatherOptions).
 void set_samples(BakePlan& plan, std::uint32_t samples);

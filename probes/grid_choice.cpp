@@ -93,6 +93,8 @@ GridChoice choose_grids(const Scene& scene, const PlacementOptions& options, con
         const glm::dvec3 cut = glm::max(boxes[0].min - scene.bounds.min, scene.bounds.max - boxes[0].max);
         const double deepest = std::max({cut.x, cut.y, cut.z});
         if (deepest > 0) over += fmt::format(" but up to {:.2g} m behind outer walls", deepest);
+        if (const double above = boxes[0].max.y - scene.bounds.max.y; above > 0)
+            over += fmt::format(" and {:.2g} m above them, under the open sky", above);
     }
     if (boxes.empty()) return {{}, "no surfaces and no boxes: one probe at the origin"};
 

@@ -347,10 +347,11 @@ std::uint64_t transport_fingerprint(const Scene& scene, const BakeOptions& optio
     // Layers and time budgets do not go with it; what is measured, and the sky's name, change nothing that is kept.
     const auto& [placement, probes, bands, target, clock, method, seed, measure_error, compare_look_ups, keep_transport,
                  layers, environment] = options;
-    const auto& [spacing, boxes, max_probes] = placement;
+    const auto& [spacing, boxes, max_probes, headroom] = placement;
     hash.add(spacing);
     hash.each(boxes);
     hash.add(max_probes);
+    hash.add(headroom);
     hash.add(probes.has_value());
     if (probes) hash.each(*probes);
     hash.add(bands);

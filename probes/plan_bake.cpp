@@ -1,6 +1,7 @@
 #include "core/parallel.h"
 #include "core/stopwatch.h"
 #include "probes/bake.h"
+#include "probes/headroom.h"
 #include "probes/outer_walls.h"
 
 #include <fmt/format.h>
@@ -161,13 +162,27 @@ LightEvidence light_evidence(const PathTracer& paths, double usual_light, std::u
     return evidence;
 }
 
-/// Grids, not behind outer walls where it is left to us.
+/// Room for objects above ground that is open to the sky, where it is left to us: metres, but no more than a share of
+/// the level's width.
+constexpr double headroom_share = 0.25;
+
+void make_headroom(const Tracer& tracer, double most, Box& box, PathCounts& counts) {
+    const glm::dvec3 size = tracer.scene().bounds.size();
+    const double headroom = std::min(most, headroom_share * std::max(size.x, size.z));
+    if (!(headroom > 0)) return;
+    if (const std::optional<double> top = top_of_open_ground(tracer, headroom, counts.rays))
+        box.max.y = std::max(box.max.y, *top + headroom);
+}
+
+/// Grids, not behind outer walls and with headroom under the sky where it is left to us.
 GridChoice grids_inside(const Tracer& tracer, const PlacementOptions& options, PathCounts& counts) {
     GridChoice choice = choose_grids(tracer.scene(), options);
     if (choice.grids.empty() || !options.boxes.empty() || !tracer.scene().volume_markers.empty()) return choice;
     const glm::dvec3 spacing = choice.grids.front().spacing;
     const double reach = reach_of_walls * std::max({spacing.x, spacing.y, spacing.z});
-    return choose_grids(tracer.scene(), options, within_outer_walls(tracer, reach, counts.rays));
+    Box within = within_outer_walls(tracer, reach, counts.rays);
+    make_headroom(tracer, options.headroom, within, counts);
+    return choose_grids(tracer.scene(), options, within);
 }
 
 std::size_t count_probes(const PlacementCounts& placed) {
@@ -431,6 +446,33 @@ const char* name_of(Method method) noexcept {
     return method == Method::cache ? "cache" : "path";
 }
 
+std::vector<std::string> why_slow(const BakePlan& plan, const Target& target) {
+    constexpr double long_time = 600;
+    constexpr double many_rays = 40;  // a path's; in an open level a few, in a closed room of albedo 0.8 about 20
+    if (target.seconds || !(plan.seconds_estimate > long_time)) return {};
+    std::vector<std::string> lines;
+    const double gathering = plan.seconds_estimate - plan.reference_estimate;
+    if (plan.reference_estimate > gathering) {
+        lines.push_back(
+            fmt::format("most of it is the reference that the error is measured by: {} points, {} paths at each",
+                        plan.held_out.points, 2 * plan.held_out.samples));
+    } else {
+        lines.push_back(
+            fmt::format("most of it is gathering: {} probes, {:.0f} rays from each on average", plan.points.size(),
+                        gather_rays(plan) / static_cast<double>(std::max<std::size_t>(1, plan.points.size()))));
+    }
+    if (plan.rays_per_path > many_rays) {
+        lines.push_back(
+            fmt::format("a path takes {:.0f} rays until its light has died away: lower the albedo of surfaces "
+                        "that reflect nearly everything",
+                        plan.rays_per_path));
+    } else if (plan.reference_estimate <= gathering) {
+        lines.emplace_back("a larger --spacing, a smaller --volume or a larger --max-error take less");
+    }
+    lines.emplace_back("for a first look in one minute: --time-budget 60s");
+    return lines;
+}
+
 BakePlan plan_bake(const PathTracer& paths, const BakeOptions& options, const Progress& progress) {
     const Stopwatch watch;
     const Scene& scene = paths.tracer().scene();
@@ -497,13 +539,15 @@ BakePlan plan_bake(const PathTracer& paths, const BakeOptions& options, const Pr
                                  fmt::format("about {:.3g} million rays",
                                              static_cast<double>(left_out) * plan.samples * cost.rays * 1e-6)});
     }
+    plan.rays_per_path = path.rays;
     plan.held_out = held_out_options(plan, options, paths_per_ray, path);
     // What the pilot's gathers took is nearer than what its paths' rays did, where a cache is read.
     const bool is_timed = plan.steering && plan.steering->seconds_per_sample > 0;
     plan.seconds_estimate = gather_rays(plan) * (is_timed ? plan.steering->seconds_per_sample : cost.seconds);
     if (options.measure_error && plan.volume.has_cells()) {
-        plan.seconds_estimate +=
+        plan.reference_estimate =
             static_cast<double>(plan.held_out.points) * reference_seconds(path, 2.0 * plan.held_out.samples);
+        plan.seconds_estimate += plan.reference_estimate;
     }
     // Running sums, a replicate and the result for each point (GatherSums); two volumes, the plan's and the result's;
     // layers; and where each gather ray went, where that is kept.

@@ -210,6 +210,7 @@ void print_plan(const Messages& messages, const Scene& scene, const Tracer& trac
                               GatherOptions{}.replicates, plan.why_samples, plan.volume.bands));
     messages.line(fmt::format("estimate   {}, {} of memory", duration_text(plan.seconds_estimate),
                               bytes_text(plan.bytes_estimate)));
+    for (const std::string& line : why_slow(plan, options.target)) messages.line("           " + line);
     for (const LeftOut& item : plan.left_out) print_left_out(messages, item);
 }
 

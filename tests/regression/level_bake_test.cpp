@@ -247,6 +247,18 @@ TEST_F(LevelBake, MissingTexturesAreNamedAndNoErrorIsJudged) {
     expect_refused(bake + "--missing-textures maybe", "maybe is not known: there are warn and error");
 }
 
+TEST_F(LevelBake, AnOpenFloorHasHeadroom) {
+    write_floor("floor.glb");
+    const auto top = [&](const std::string& options) {
+        EXPECT_EQ(run("floor.glb --sky 1,1,1 --samples 64 -o floor.exr --quiet " + options).status, 0);
+        const Grid grid = load_volume(folder() / "floor.exr").grids.at(0);
+        return grid.position(grid.counts - 1).y;
+    };
+    EXPECT_NEAR(top(""), 0.5, 1e-4) << "a quarter of the width";
+    EXPECT_NEAR(top("--spacing 0.5"), 0.5, 1e-4);
+    EXPECT_NEAR(top("--volume=-1,0,-1,1,0.25,1"), 0.25, 1e-6) << "a box that was asked for";
+}
+
 TEST_F(LevelBake, LeavesNothingHalfWrittenWhenItIsStopped) {
     write("hall.probes.exr", "an earlier bake");
     // A test may itself run with SIGINT ignored, which a program inherits, hence `env`.

@@ -1,8 +1,11 @@
 #include "probes/bake.h"
 
+#include "probes/sampler.h"
 #include "tests/scene_builder.h"
 #include "tests/traced_level.h"
 
+#include <fmt/format.h>
+#include <glm/gtc/constants.hpp>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -70,6 +73,47 @@ TEST(Bake, DoesNotTakeDarknessForEvidenceWhereALightWasNeverTested) {
     const Verdict unknown = verdict(3);
     EXPECT_EQ(unknown.sentence.rfind("no light reached any of ", 0), 0U) << unknown.sentence;
     EXPECT_EQ(unknown.target_met, false);
+}
+
+TEST(Bake, AnOpenFloorLightsWhatStandsOnIt) {
+    Scene scene;
+    add_quad(scene, add_grey(scene, 0.5F), {-10, 0, 10}, {20, 0, 0}, {0, 0, -20});
+    const TracedLevel level(std::move(scene), Environment::uniform(glm::vec3(1)));
+    BakeOptions options;
+    options.target.samples = 256;
+    options.measure_error = false;
+    const BakePlan plan = plan_bake(level.paths, options);
+    const Grid grid = plan.volume.grids.at(0);
+    EXPECT_NEAR(grid.position(grid.counts - 1).y, 2, 1e-4);
+    const Volume volume = run_bake(level.paths, plan, options).volume;
+    // Below a point at height h over the centre of a square of half-width 10 its form factor is that of four quarters,
+    // each a perpendicular rectangle's (Howell, B-3, twice): 4 / pi * s * atan(s), s = a / sqrt(1 + a^2), a = 10 / h.
+    const double a = 10 / 1.8;
+    const double s = a / std::sqrt(1 + a * a);
+    const double floor = 4 / glm::pi<double>() * s * std::atan(s);
+    const double exact = glm::pi<double>() * (0.5 * floor + 1 - floor);
+    EXPECT_NEAR(exact, 1.611, 5e-4);
+    EXPECT_NEAR(Sampler(volume).irradiance({0, 1.8, 0}, {0, -1, 0}).g, exact, 0.03 * exact);
+}
+
+TEST(Bake, SaysWhyItIsSlowAndHowToGetAFirstLook) {
+    BakePlan plan;
+    plan.seconds_estimate = 599;
+    EXPECT_TRUE(why_slow(plan, {}).empty());
+    plan.seconds_estimate = 2000;
+    plan.reference_estimate = 1900;
+    plan.rays_per_path = 4000;
+    const auto joined = [&] { return fmt::format("{}", fmt::join(why_slow(plan, {}), "; ")); };
+    EXPECT_NE(joined().find("most of it is the reference"), std::string::npos) << joined();
+    EXPECT_NE(joined().find("a path takes 4000 rays"), std::string::npos) << joined();
+    EXPECT_NE(joined().find("--time-budget 60s"), std::string::npos) << joined();
+    plan.reference_estimate = 100;
+    plan.rays_per_path = 3;
+    plan.points.resize(50000);
+    EXPECT_NE(joined().find("most of it is gathering: 50000 probes"), std::string::npos) << joined();
+    Target in_time;
+    in_time.seconds = 3600;
+    EXPECT_TRUE(why_slow(plan, in_time).empty());
 }
 
 TEST(Bake, MakesPatchesFinerWhoseBiasIsTooLarge) {

@@ -3,6 +3,7 @@
 #include "core/error.h"
 #include "core/sh.h"
 #include "probes/grid_choice.h"
+#include "probes/headroom.h"
 #include "probes/outer_walls.h"
 #include "tests/scene_builder.h"
 
@@ -467,6 +468,56 @@ TEST(Placement, SidesThatAreOpenOrUnevenStay) {
     EXPECT_EQ(within.min.x, scene.bounds.min.x);
     EXPECT_EQ(within.max, scene.bounds.max);
     EXPECT_LT(within.min.y, 0.05) << "hardly any of the ground is cut off";
+}
+
+/// y of the ground for a headroom of 2 m; NaN where there is none.
+double open_ground(const Scene& scene) {
+    std::uint64_t rays = 0;
+    return top_of_open_ground(Tracer(scene), 2, rays).value_or(std::numeric_limits<double>::quiet_NaN());
+}
+
+TEST(Headroom, IsAboveTheHighestGroundUnderTheSky) {
+    Scene scene;
+    const int grey = add_grey(scene, 0.5F);
+    add_quad(scene, grey, {-10, 0, 10}, {20, 0, 0}, {0, 0, -20});
+    EXPECT_NEAR(open_ground(scene), 0, 1e-4);
+    add_box(scene, grey, {3, 0, 3}, {3.1F, 7, 3.1F}, Facing::outward);     // a post
+    add_box(scene, grey, {-10, 0, -10}, {10, 4, -9.7F}, Facing::outward);  // a wall
+    EXPECT_NEAR(open_ground(scene), 0, 1e-4) << "nobody stands on walls and posts";
+    add_box(scene, grey, {-6, 0, -6}, {-2, 3, -2}, Facing::outward);
+    EXPECT_NEAR(open_ground(scene), 3, 1e-4) << "a solid block is ground";
+    add_quad(scene, grey, {2, 6, -2}, {6, 0, 0}, {0, 0, -6});
+    EXPECT_NEAR(open_ground(scene), 6, 1e-4) << "and so is a deck without walls below";
+}
+
+TEST(Headroom, RoofsOfRoomsAreNoGround) {
+    Scene room;
+    const int grey = add_grey(room, 0.5F);
+    add_box(room, grey, {-3, 0, -3}, {3, 3, 3}, Facing::inward);
+    EXPECT_TRUE(std::isnan(open_ground(room)));
+    // Thick walls, a crate inside, and a window on one side.
+    Scene house;
+    add_grey(house, 0.5F);
+    add_box(house, 0, {-3.3F, -0.3F, -3.3F}, {3.3F, 3.3F, 3.3F}, Facing::outward);
+    add_box(house, 0, {-3, 0, -3}, {3, 3, 3}, Facing::inward);
+    add_box(house, 0, {-1, 0, -1}, {0, 1, 0}, Facing::outward);
+    EXPECT_TRUE(std::isnan(open_ground(house)));
+    // A yard around it.
+    add_quad(house, 0, {-10, 0, 10}, {20, 0, 0}, {0, 0, -20});
+    EXPECT_NEAR(open_ground(house), 0, 1e-4);
+    EXPECT_TRUE(std::isnan(open_ground(Scene{})));
+}
+
+TEST(Headroom, HillsAreGroundAndSoIsATerrainThatIsClosedBelow) {
+    Scene scene;
+    const int grey = add_grey(scene, 0.5F);
+    for (int i = -10; i < 10; ++i) {
+        const auto height = [](int x) { return 5 * std::cos(0.3F * static_cast<float>(x)); };
+        add_quad(scene, grey, {i, height(i), 10}, {1, height(i + 1) - height(i), 0}, {0, 0, -20});
+    }
+    EXPECT_NEAR(open_ground(scene), 5, 0.2);
+    add_box(scene, grey, {-10, -20, -10}, {10, -5.1F, 10}, Facing::outward);
+    EXPECT_NEAR(open_ground(scene), 5, 0.2);
 }
 
 TEST(Placement, AWholeNumberOfSpacingsGetsNoCellMore) {
