@@ -13,7 +13,7 @@ struct EnvironmentOptions {
     EnvironmentLayout layout = EnvironmentLayout::automatic;
     float rotation_deg = 0;  // counter-clockwise about +Y seen from above
     float scale = 1;         // of radiance, not negative
-    std::string layer;       // of an OpenEXR image; empty: chosen, see decode_radiance
+    std::string layer = {};  // of an OpenEXR image; empty: chosen, see decode_radiance
 };
 
 struct LoadedEnvironment {
