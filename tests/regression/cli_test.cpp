@@ -6,6 +6,7 @@
 #include "probes/volume_file.h"
 #include "tests/regression/program_test.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <fcntl.h>
@@ -140,12 +141,26 @@ TEST_F(Cli, QueryDerings) {
     EXPECT_NEAR(csv("query lamp.probes.exr --points normals.csv --sh --dering").number(0, 4), lamp[0].x, 1e-6);
 }
 
-TEST_F(Cli, QuerySaysWhereNoLightIsKnown) {
+TEST_F(Cli, QueryAnswersAtAMissingProbeAsBesideIt) {
     write("normals.csv", "x,y,z,nx,ny,nz\n1,0,0,1,0,0\n1,0,0.5,1,0,0\n");
     const CsvTable table = csv("query hall.probes.exr --points normals.csv");
-    EXPECT_EQ(table.number(0, table.column("valid")), 0);
+    EXPECT_EQ(table.number(0, table.column("valid")), 1);
+    EXPECT_GT(table.number(0, table.column("r")), M_PI * 1) << "the probe's neighbours are from 1 to 3";
+    EXPECT_LT(table.number(0, table.column("r")), M_PI * 3);
     EXPECT_EQ(table.number(1, table.column("valid")), 1);
     EXPECT_NEAR(table.number(1, table.column("r")), M_PI * 2, 1e-5) << "from the valid corners alone";
+}
+
+TEST_F(Cli, QuerySaysWhereNoLightIsKnown) {
+    Volume dark = linear_volume();
+    std::replace(dark.states.begin(), dark.states.end(), ProbeState::valid, ProbeState::missing);
+    save_volume(dark, folder() / "dark.probes.exr");
+    write("normals.csv", "x,y,z,nx,ny,nz\n1,0,0,1,0,0\n-9,1,1,1,0,0\n");
+    const CsvTable table = csv("query dark.probes.exr --points normals.csv");
+    for (const std::size_t row : {0U, 1U}) {
+        EXPECT_EQ(table.number(row, table.column("valid")), 0);
+        EXPECT_EQ(table.number(row, table.column("r")), 0);
+    }
 }
 
 TEST_F(Cli, QueryRefusesWhatItCannotAnswer) {
