@@ -218,6 +218,7 @@ class MaterialReader {
         try {
             key = key_of(document_, texture);
         } catch (const Error& error) {
+            key = {};  // GCC 12 writes what the function returns right into it, also where it throws
             key.broken = texture;
             problem = error;
         }

@@ -852,6 +852,15 @@ TEST(Gltf, OfAMissingTextureTheFactorIsLeftAndNoEmission) {
     }
 }
 
+TEST(Gltf, ATextureWhoseImageIsNotThereIsMissing) {
+    GltfBuilder builder = with_material({{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}});
+    builder.add("samplers", {{"wrapS", 10497}});
+    builder.add("textures", {{"source", 0}, {"sampler", 0}});
+    const Scene scene = load(builder);
+    EXPECT_EQ(scene.missing_textures.size(), 1U);
+    EXPECT_TRUE(contains(joined(scene.notices), "refers to element 0 of images, but there are 0"));
+}
+
 TEST(Gltf, AMissingImageOfSeveralTexturesIsNamedOnce) {
     GltfBuilder builder = with_material({{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}},
                                          {"emissiveFactor", {1, 1, 1}},
