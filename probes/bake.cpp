@@ -302,6 +302,8 @@ class Bake {
         evidence.points = plan_.points.size() + held_out_.points.size();
         evidence.is_black = is_black(result_.volume.coefficients) && held_out_.a.is_black() && held_out_.b.is_black();
         evidence.is_tested = (paths_.lights() & ~result_.counts.tested) == 0;
+        evidence.has_light = paths_.lights() != 0;
+        evidence.is_shut_out = !plan_.shut_out.empty();
         evidence.missing_textures = paths_.tracer().scene().missing_textures.size();
         result_.verdict = lightgrid::judge(options_.target, evidence);
     }

@@ -8,6 +8,7 @@
 #include "probes/look_ups.h"
 #include "probes/paths.h"
 #include "probes/placement.h"
+#include "probes/shut_out.h"
 #include "probes/steering.h"
 #include "probes/surface_cache.h"
 #include "probes/target.h"
@@ -85,6 +86,7 @@ struct BakePlan {
     double reference_estimate = 0;  // of these seconds: the reference at held-out points
     double rays_per_path = 0;       // of the reference, and of gathers without a cache, from a pilot
     double bytes_estimate = 0;      // of memory while baking
+    std::vector<ShutOut> shut_out;  // lights that no probe gets anything of
     std::vector<LeftOut> left_out;
     std::vector<Stage> stages;
 };

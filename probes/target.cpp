@@ -45,7 +45,7 @@ double bias_goal(const Target& target, double rest) noexcept {
 }
 
 std::string rounded_percent(double share) {
-    return fmt::format("{:.2g} %", 100 * share);
+    return fmt::format("{:.2g} %", 100 * std::max(share, 0.0));
 }
 
 double NoiseLaw::at(double other_samples) const noexcept {

@@ -39,7 +39,7 @@ inline constexpr double default_noise = 0.5 * default_error;
 inline constexpr double bias_share = 0.5;
 [[nodiscard]] double bias_goal(const Target& target, double rest) noexcept;
 
-/// A share to two digits, as messages tell it: "1.7 %".
+/// A share to two digits, as messages tell it: "1.7 %". Estimates below 0 are "0 %".
 [[nodiscard]] std::string rounded_percent(double share);
 
 /// Relative noise of gathers with GatherOptions' replicates, and how it falls as their rays grow.

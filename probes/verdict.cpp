@@ -37,6 +37,11 @@ Verdict judge(const Target& target, const Evidence& evidence) {
                 fmt::format("not judged: {} texture{} missing", evidence.missing_textures,
                             evidence.missing_textures == 1 ? "" : "s")};
     }
+    if (!evidence.has_light) return {{}, "not judged: nothing shines, all is black"};
+    if (evidence.points > 0 && evidence.is_black) {
+        return {can_miss && !evidence.is_shut_out ? std::optional(true) : std::nullopt,
+                fmt::format("all is dark: rays to every light were stopped at each of {} points", evidence.points)};
+    }
     if (!can_miss) return {};
     const double wanted = target.error.value_or(default_error);
     if (evidence.error == nullptr) {
@@ -48,6 +53,11 @@ Verdict judge(const Target& target, const Evidence& evidence) {
     if (counted.interval.high < wanted) {
         return {true, fmt::format("target met: {} at most, of {}", rounded_percent(counted.interval.high),
                                   rounded_percent(wanted))};
+    }
+    if (counted.relrmse < wanted) {
+        return {false, fmt::format("target {} missed: {}, but up to {} is possible with {} places",
+                                   rounded_percent(wanted), rounded_percent(counted.relrmse),
+                                   rounded_percent(counted.interval.high), evidence.error->points)};
     }
     return {false,
             fmt::format("target not reached: {}", what_is_left(*evidence.error, wanted, target.error.has_value()))};

@@ -17,6 +17,8 @@ struct Evidence {
     std::size_t points = 0;              // where light was gathered: probes, and points of the reference
     bool is_black = false;               // no light came to any of them
     bool is_tested = true;               // rays asked for every light of the level (PathTracer::lights)
+    bool has_light = true;               // something shines: the level's own lights, or an environment
+    bool is_shut_out = false;            // one mesh keeps a light from all probes (find_shut_out)
     std::size_t missing_textures = 0;    // whose light is not in the reference either
 };
 
@@ -26,7 +28,8 @@ struct Verdict {
 };
 
 /// Black samples are no evidence where a light was never asked for: whatever the error is said to be, the target is not
-/// met. What shadow rays found dark is dark.
+/// met. What shadow rays found dark is dark, and has no relative error to judge by: it counts as met, but where one mesh
+/// keeps a light out, or where nothing shines, nothing is judged.
 [[nodiscard]] Verdict judge(const Target& target, const Evidence& evidence);
 
 }  // namespace lightgrid

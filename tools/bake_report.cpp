@@ -1,21 +1,30 @@
 #include "tools/bake_report.h"
 
 #include "core/parallel.h"
-#include "core/sh.h"
+#include "tools/markup.h"
+#include "tools/remedies.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <optional>
+#include <span>
+#include <utility>
 
 namespace lightgrid {
 namespace {
 
 using nlohmann::json;
 
+/// What a reader gets: an unbiased estimate of a square may be negative, an error may not. Squares keep their sign.
+ErrorPart shown(const ErrorPart& part) {
+    return {std::max(part.relrmse, 0.0), {std::max(part.interval.low, 0.0), std::max(part.interval.high, 0.0)}};
+}
+
 json to_json(const ErrorPart& part) {
-    return {{"relrmse", part.relrmse}, {"interval", {part.interval.low, part.interval.high}}};
+    const auto [relrmse, interval] = shown(part);
+    return {{"relrmse", relrmse}, {"interval", {interval.low, interval.high}}};
 }
 
 json to_json(glm::dvec3 v) {
@@ -26,12 +35,9 @@ double square(const ErrorPart& part) {
     return part.relrmse * std::abs(part.relrmse);
 }
 
-std::string percent(double share) {
-    return fmt::format("{:.2f} %", 100 * share);
-}
-
 std::string with_interval(const ErrorPart& part) {
-    return fmt::format("{} ({} to {})", percent(part.relrmse), percent(part.interval.low), percent(part.interval.high));
+    return fmt::format("{} ({} to {})", percent_text(part.relrmse), percent_text(part.interval.low),
+                       percent_text(part.interval.high));
 }
 
 json error_json(const BakeResult& result) {
@@ -49,8 +55,7 @@ json error_json(const BakeResult& result) {
         return error;
     }
     const ErrorReport& measured = *result.error;
-    error["relrmse"] = measured.total.relrmse;
-    error["interval"] = {measured.total.interval.low, measured.total.interval.high};
+    error.update(to_json(measured.total));
     error["parts"] = {{"noise", to_json(measured.noise)},
                       {"bands", to_json(measured.bands)},
                       {"interpolation", to_json(measured.interpolation)},
@@ -75,58 +80,27 @@ json error_json(const BakeResult& result) {
     return error;
 }
 
-/// What half of the error would cost by more samples alone: their share of the error falls as one over their number, the
-/// rest stays.
 json halving_json(const BakeResult& result, double gather_seconds) {
-    if (!result.error || !(result.error->total.relrmse > 0)) return nullptr;
-    const double total = square(result.error->total);
-    const double rest = std::max(total - std::max(square(result.error->noise), 0.0), 0.0);
-    json halving{{"relrmse", 0.5 * std::sqrt(total)},
-                 {"floor", std::sqrt(rest)},
-                 {"samples_factor", nullptr},
-                 {"seconds", nullptr}};
-    if (0.25 * total > rest) {
-        const double factor = (total - rest) / (0.25 * total - rest);
-        halving["samples_factor"] = factor;
-        halving["seconds"] = factor * gather_seconds;
-    }
-    return halving;
+    const std::optional<Halving> halving = find_halving(result, gather_seconds);
+    if (!halving) return nullptr;
+    const auto or_null = [](const std::optional<double>& value) { return value ? json(*value) : json(nullptr); };
+    return {{"relrmse", halving->relrmse},
+            {"floor", halving->floor},
+            {"samples_factor", or_null(halving->samples_factor)},
+            {"seconds", or_null(halving->seconds)}};
 }
 
-/// For each part one step against it: what it takes, and which error that would leave.
-json remedies_json(const BakePlan& plan, const BakeResult& result, double gather_seconds) {
+json remedies_json(const std::vector<Remedy>& found) {
     json remedies = json::array();
-    if (!result.error) return remedies;
-    const ErrorReport& error = *result.error;
-    const auto without = [&](double squares) { return std::sqrt(std::max(square(error.total) - squares, 0.0)); };
-    double spacing = std::numeric_limits<double>::infinity();
-    for (const Grid& grid : result.volume.grids) {
-        spacing = std::min({spacing, grid.spacing.x, grid.spacing.y, grid.spacing.z});
+    for (const Remedy& remedy : found) {
+        remedies.push_back({{"part", remedy.part},
+                            {"change", remedy.change},
+                            {"option", remedy.option},
+                            {"relrmse", remedy.relrmse},
+                            {"assumes", remedy.assumes},
+                            {"seconds", remedy.seconds},
+                            {"size_factor", remedy.size_factor}});
     }
-    const int bands = result.volume.bands;
-    remedies.push_back({{"part", "noise"},
-                        {"change", "four times the samples"},
-                        {"option", fmt::format("--samples {}", 4ULL * plan.samples)},
-                        {"relrmse", without(0.75 * square(error.noise))},
-                        {"assumes", "nothing: the noise halves"},
-                        {"seconds", 4 * gather_seconds},
-                        {"size_factor", 1}});
-    if (bands < max_sh_bands) {
-        remedies.push_back({{"part", "bands"},
-                            {"change", "one band more"},
-                            {"option", fmt::format("--bands {}", bands + 1)},
-                            {"relrmse", without(square(error.bands) + square(error.cross))},
-                            {"assumes", "that all that is missing is in that band"},
-                            {"seconds", gather_seconds},
-                            {"size_factor", std::pow((bands + 1.0) / bands, 2)}});
-    }
-    remedies.push_back({{"part", "interpolation"},
-                        {"change", "half the spacing"},
-                        {"option", fmt::format("--spacing {:.3g}", 0.5 * spacing)},
-                        {"relrmse", without(0.75 * square(error.interpolation))},
-                        {"assumes", "that it falls as the spacing does: faster where light is smooth, slower at leaks"},
-                        {"seconds", 8 * gather_seconds},
-                        {"size_factor", 8}});
     return remedies;
 }
 
@@ -177,19 +151,14 @@ json target_json(const BakePlan& plan, const BakeResult& result, const BakeOptio
     return target;
 }
 
-void print_left_out(const Messages& messages, const LeftOut& item) {
-    messages.line(fmt::format("left out   {}: {}; saves {}", item.what, item.evidence, item.saved));
+void print_left_out(const Messages& messages, std::span<const LeftOut> items) {
+    for (const LeftOut& item : items) {
+        messages.line(fmt::format("left out   {}: {}; saves {}", item.what, item.evidence, item.saved));
+    }
 }
 
-}  // namespace
-
-void print_plan(const Messages& messages, const Scene& scene, const Tracer& tracer, const BakePlan& plan,
-                const BakeOptions& options) {
-    const glm::dvec3 size = scene.bounds.size();
-    messages.line(fmt::format("level      {}: {} triangles, {:.4g} x {:.4g} x {:.4g} m, {} punctual lights", scene.name,
-                              tracer.triangle_count(), size.x, size.y, size.z, scene.lights.size()));
-    messages.line(fmt::format("light      {}{}", options.environment.empty() ? "the level's own" : options.environment,
-                              options.environment.empty() ? "" : ", and the level's own"));
+/// Grids, samples and bands, and why.
+void print_decisions(const Messages& messages, const BakePlan& plan) {
     for (const Grid& grid : plan.volume.grids) {
         messages.line(fmt::format("grid       {} x {} x {} probes, {:.4g} x {:.4g} x {:.4g} m apart", grid.counts.x,
                                   grid.counts.y, grid.counts.z, grid.spacing.x, grid.spacing.y, grid.spacing.z));
@@ -198,7 +167,7 @@ void print_plan(const Messages& messages, const Scene& scene, const Tracer& trac
     if (plan.steering) {
         for (const Round& round : plan.steering->rounds) {
             messages.line(fmt::format("refining   {} probes leave {} of interpolation{}", round.probes,
-                                      percent(round.interpolation),
+                                      percent_text(round.interpolation),
                                       round.blocks > 0 ? fmt::format(": {} blocks are divided", round.blocks) : ""));
         }
         if (!plan.steering->why_refined.empty()) messages.line("refined    " + plan.steering->why_refined);
@@ -208,14 +177,37 @@ void print_plan(const Messages& messages, const Scene& scene, const Tracer& trac
                               plan.placement.valid, plan.placement.moved, plan.placement.invalid));
     messages.line(fmt::format("samples    {} per probe in {} replicates ({}), {} bands", plan.samples,
                               GatherOptions{}.replicates, plan.why_samples, plan.volume.bands));
-    messages.line(fmt::format("estimate   {}, {} of memory", duration_text(plan.seconds_estimate),
-                              bytes_text(plan.bytes_estimate)));
-    for (const std::string& line : why_slow(plan, options.target)) messages.line("           " + line);
-    for (const LeftOut& item : plan.left_out) print_left_out(messages, item);
 }
 
-void print_result(const Messages& messages, const BakePlan& plan, const BakeResult& result,
-                  const std::filesystem::path& output) {
+/// "probes     61,366 in 5 grids, 0.36 to 0.021 m apart; 912 rays each, 3 bands"
+std::string probes_in_short(const BakePlan& plan) {
+    std::string apart;
+    if (plan.volume.has_cells()) {
+        const auto widest = [](const Grid& grid) { return std::max({grid.spacing.x, grid.spacing.y, grid.spacing.z}); };
+        const auto wider = [&](const Grid& a, const Grid& b) { return widest(a) < widest(b); };
+        const auto [finest, coarsest] = std::minmax_element(plan.volume.grids.begin(), plan.volume.grids.end(), wider);
+        apart =
+            plan.volume.grids.size() == 1 ? " in a grid, " : fmt::format(" in {} grids, ", plan.volume.grids.size());
+        apart += fmt::format("{:.2g}", widest(*coarsest));
+        if (widest(*finest) < widest(*coarsest)) apart += fmt::format(" to {:.2g}", widest(*finest));
+        apart += " m apart";
+    }
+    return fmt::format("probes     {}{}; {} rays each, {} bands", grouped(plan.points.size()), apart, plan.samples,
+                       plan.volume.bands);
+}
+
+/// Seconds and rays of all stages.
+std::string totals(const std::vector<Stage>& stages) {
+    Stage sum;
+    for (const Stage& stage : stages) {
+        sum.seconds += stage.seconds;
+        sum.rays += stage.rays;
+    }
+    return fmt::format("{}, with {:.3g} million rays", duration_text(sum.seconds),
+                       1e-6 * static_cast<double>(sum.rays));
+}
+
+void print_stages(const Messages& messages, const BakeResult& result) {
     for (const Stage& stage : result.stages) {
         const double rate = stage.seconds > 0 ? static_cast<double>(stage.rays) * 1e-6 / stage.seconds : 0;
         messages.line(stage.rays == 0
@@ -228,43 +220,88 @@ void print_result(const Messages& messages, const BakePlan& plan, const BakeResu
                                   result.cache->patches, result.cache->samples, result.cache->width,
                                   result.cache->sweeps, result.cache->residual));
     }
+    if (result.filled > 0)
+        messages.line(fmt::format("filled     {} invalid probes from their neighbours", result.filled));
+}
+
+void print_parts(const Messages& messages, const ErrorReport& error) {
+    messages.line(fmt::format("           all but bands {}", with_interval(error.without_bands)));
+    messages.line(fmt::format("           noise {}", with_interval(error.noise)));
+    messages.line(fmt::format("           bands {}", with_interval(error.bands)));
+    messages.line(fmt::format("           interpolation {}", with_interval(error.interpolation)));
+    if (error.bias) messages.line(fmt::format("           bias {}", with_interval(*error.bias)));
+    messages.line(fmt::format("           storage {}", percent_text(error.storage.relrmse)));
+    const auto squared = [](const ErrorPart& part) { return 1e4 * square(part); };
+    messages.line(fmt::format(
+        "           in squares: {:.3g} noise + {:.3g} bands + {:.3g} interpolation + {:.3g} bias + {:.3g} storage "
+        "{} {:.3g} cross = {:.3g} %^2",
+        squared(error.noise), squared(error.bands), squared(error.interpolation),
+        squared(error.bias.value_or(ErrorPart{})), squared(error.storage), error.cross.relrmse < 0 ? "-" : "+",
+        std::abs(squared(error.cross)), squared(error.total)));
+}
+
+void print_layers(const Messages& messages, const Volume& volume) {
+    constexpr std::size_t few = 4;
+    if (volume.layers.size() > few && !messages.verbose()) {
+        messages.line(fmt::format("layers     {}", volume.layers.size()));
+        return;
+    }
+    for (const Layer& layer : volume.layers) {
+        messages.line(fmt::format("layer      {}: {}, noise {}", layer.name,
+                                  bytes_text(static_cast<double>(stored_bytes(volume, layer.coefficients))),
+                                  percent_text(layer.noise)));
+    }
+}
+
+}  // namespace
+
+void print_plan(const Messages& messages, const Scene& scene, const Tracer& tracer, const BakePlan& plan,
+                const BakeOptions& options) {
+    const glm::dvec3 size = scene.bounds.size();
+    messages.line(fmt::format("level      {}: {} triangles, {:.4g} x {:.4g} x {:.4g} m, {} punctual lights", scene.name,
+                              tracer.triangle_count(), size.x, size.y, size.z, scene.lights.size()));
+    messages.line(fmt::format("light      {}{}", options.environment.empty() ? "the level's own" : options.environment,
+                              options.environment.empty() ? "" : ", and the level's own"));
+    messages.verbose() ? print_decisions(messages, plan) : messages.line(probes_in_short(plan));
+    messages.line(fmt::format("estimate   {}, {} of memory", duration_text(plan.seconds_estimate),
+                              bytes_text(plan.bytes_estimate)));
+    for (const std::string& line : why_slow(plan, options.target)) messages.line("           " + line);
+    if (messages.verbose()) print_left_out(messages, plan.left_out);
+}
+
+void print_result(const Messages& messages, const BakePlan& plan, const BakeResult& result,
+                  const std::filesystem::path& output) {
+    if (messages.verbose()) {
+        print_stages(messages, result);
+    } else {
+        messages.line("baked in   " + totals(result.stages));
+    }
     if (result.counts.dropped > 0) {
         messages.warning(fmt::format("{} samples were not finite and count as black", result.counts.dropped));
     }
-    if (result.filled > 0)
-        messages.line(fmt::format("filled     {} invalid probes from their neighbours", result.filled));
-    messages.line(
-        fmt::format("noise      {} of the irradiance at the probes (standard error)", percent(result.noise.relrmse)));
+    if (messages.verbose() || !result.error) {
+        messages.line(fmt::format("noise      {} of the irradiance at the probes (standard error)",
+                                  percent_text(result.noise.relrmse)));
+    }
     if (result.error) {
         const ErrorReport& error = *result.error;
         messages.line(fmt::format("error      {} relRMSE at {} held-out points, 95 % interval",
                                   with_interval(error.total), error.points));
-        messages.line(fmt::format("           all but bands {}", with_interval(error.without_bands)));
-        messages.line(fmt::format("           noise {}", with_interval(error.noise)));
-        messages.line(fmt::format("           bands {}", with_interval(error.bands)));
-        messages.line(fmt::format("           interpolation {}", with_interval(error.interpolation)));
-        if (error.bias) messages.line(fmt::format("           bias {}", with_interval(*error.bias)));
-        messages.line(fmt::format("           storage {}", percent(error.storage.relrmse)));
-        const auto squared = [](const ErrorPart& part) { return 1e4 * square(part); };
-        messages.line(fmt::format(
-            "           in squares: {:.3g} noise + {:.3g} bands + {:.3g} interpolation + {:.3g} bias + {:.3g} storage "
-            "{} {:.3g} cross = {:.3g} %^2",
-            squared(error.noise), squared(error.bands), squared(error.interpolation),
-            squared(error.bias.value_or(ErrorPart{})), squared(error.storage), error.cross.relrmse < 0 ? "-" : "+",
-            std::abs(squared(error.cross)), squared(error.total)));
+        if (messages.verbose()) print_parts(messages, error);
         messages.line(fmt::format("           half of all values are within {}, 95 % within {}, 99 % within {}",
-                                  percent(error.p50), percent(error.p95), percent(error.p99)));
+                                  percent_text(error.p50), percent_text(error.p95), percent_text(error.p99)));
     } else {
         messages.line("error      " + result.no_error_because);
     }
-    for (const Layer& layer : result.volume.layers) {
-        messages.line(fmt::format("layer      {}: {}, noise {}", layer.name,
-                                  bytes_text(static_cast<double>(stored_bytes(result.volume, layer.coefficients))),
-                                  percent(layer.noise)));
+    print_layers(messages, result.volume);
+    if (!result.verdict.sentence.empty()) messages.line("verdict    " + result.verdict.sentence);
+    if (messages.verbose()) {
+        print_left_out(messages, std::span(result.left_out).subspan(plan.left_out.size()));
+    } else if (!result.left_out.empty()) {
+        const std::size_t count = result.left_out.size();
+        messages.line(fmt::format("left out   {} thing{}: --verbose lists {}", count, count == 1 ? "" : "s",
+                                  count == 1 ? "it" : "them"));
     }
-    if (!result.verdict.sentence.empty()) messages.line("target     " + result.verdict.sentence);
-    for (std::size_t i = plan.left_out.size(); i < result.left_out.size(); ++i)
-        print_left_out(messages, result.left_out[i]);
     messages.line(fmt::format("written    {} ({})", output.string(),
                               bytes_text(static_cast<double>(std::filesystem::file_size(output)))));
 }
@@ -323,15 +360,13 @@ json bake_report(const Tracer& tracer, const BakePlan& plan, const BakeResult& r
     report["target"] = target_json(plan, result, options);
     report["curve"] = json::array();
     for (const CurvePoint& point : result.curve) {
-        report["curve"].push_back({{"seconds", point.seconds},
-                                   {"samples", point.samples},
-                                   {"rays", point.rays},
-                                   {"relrmse", point.relrmse},
-                                   {"interval", {point.interval.low, point.interval.high}}});
+        json entry = to_json(ErrorPart{point.relrmse, point.interval});
+        entry.update({{"seconds", point.seconds}, {"samples", point.samples}, {"rays", point.rays}});
+        report["curve"].push_back(std::move(entry));
     }
     const double gather_seconds = result.curve.empty() ? 0 : result.curve.back().seconds;
     report["halving"] = halving_json(result, gather_seconds);
-    report["remedies"] = remedies_json(plan, result, gather_seconds);
+    report["remedies"] = remedies_json(find_remedies(plan, result, options, gather_seconds));
     report["look_ups"] = look_ups_json(result);
     report["left_out"] = json::array();
     for (const LeftOut& item : result.left_out) {

@@ -13,12 +13,12 @@
 /// What level-bake says about a bake: before it, after it, and as JSON.
 namespace lightgrid {
 
-/// Probes, time, memory, and what is left out and why.
+/// Level, light, probes, time and memory; where messages are verbose, every decision and why, and what is left out.
 void print_plan(const Messages& messages, const Scene& scene, const Tracer& tracer, const BakePlan& plan,
                 const BakeOptions& options);
 
-/// Seconds and rays per stage, standard error, error with its parts, file size.
-/// What the plan had left out already is not said again.
+/// What it took, how wrong the volume is, the verdict, how many things were left out, and the file; where messages are
+/// verbose, stages, parts of the error, and what was left out since the plan was printed.
 void print_result(const Messages& messages, const BakePlan& plan, const BakeResult& result,
                   const std::filesystem::path& output);
 

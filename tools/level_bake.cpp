@@ -26,11 +26,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cstring>
 #include <ctime>
 #include <filesystem>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -59,6 +61,7 @@ struct Call {
     std::string report_json;
     bool json = false;
     bool quiet = false;
+    bool verbose = false;
     std::string command;  // as it was typed, for the report
 };
 
@@ -70,6 +73,14 @@ Box parse_box(const std::string& text) {
     box.extend({n[0], n[1], n[2]});
     box.extend({n[3], n[4], n[5]});
     return box;
+}
+
+/// Throws Error for what is no length above 0.
+void parse_spacing(const std::string& text) {
+    constexpr double least = std::numeric_limits<float>::min();
+    if (parse_numbers(text, 1, "0.5")[0] < least) {
+        throw Error(fmt::format("{} is no distance between probes: it must be above 0, like 0.5", text));
+    }
 }
 
 Method parse_method(const std::string& name) {
@@ -90,7 +101,7 @@ void add_options(CLI::App& app, Call& call) {
     const char* where = "Where";
     app.add_option("--spacing", call.spacing, "Metres between probes at most (default: chosen, and said why)")
         ->type_name("M")
-        ->check(number(std::numeric_limits<float>::min()))
+        ->check(checked(parse_spacing))
         ->group(where);
     app.add_option("--volume", call.volumes, "A box to fill with probes; may be repeated")
         ->type_name("x0,y0,z0,x1,y1,z1")
@@ -156,7 +167,10 @@ void add_options(CLI::App& app, Call& call) {
         ->group(out);
     app.add_flag("--json", call.json, "The summary on standard output, as JSON")->group(out);
     app.set_version_flag("--version", "level-bake " LIGHTGRID_VERSION);
-    app.add_flag("--quiet", call.quiet, "Nothing but errors")->group(out);
+    CLI::Option* quiet = app.add_flag("--quiet", call.quiet, "Nothing but errors")->group(out);
+    app.add_flag("--verbose", call.verbose, "Every decision and why, stages, parts of the error, all that was left out")
+        ->excludes(quiet)
+        ->group(out);
 }
 
 /// What is wrong with the call beyond single values: all of it in one message.
@@ -225,6 +239,15 @@ void check_output(const fs::path& file, const Call& call) {
         }
     }
     check_writable(file);
+}
+
+/// A name that promises another kind of file would be opened by what cannot read it.
+void check_volume_name(const fs::path& file) {
+    std::string ending = file.extension().string();
+    std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+    if (ending.empty() || ending == ".exr") return;
+    throw Error(fmt::format("a volume is an OpenEXR file, not a {} file", ending), file.string(),
+                fmt::format("Name it {}.", fs::path(file).replace_extension(".probes.exr").string()));
 }
 
 /// The same for all outputs, which also must not replace each other.
@@ -305,6 +328,15 @@ std::optional<KeptTransport> find_transport(const Call& call, std::uint64_t fing
     return {};
 }
 
+void print_notices(const Messages& messages, const std::vector<std::string>& notices) {
+    constexpr std::size_t most = 6;  // so that a bake of a level full of oddities still fits on a screen
+    const std::size_t told = messages.verbose() || notices.size() <= most ? notices.size() : most - 1;
+    for (const std::string& notice : std::span(notices).first(told)) messages.notice(notice);
+    if (told < notices.size()) {
+        messages.notice(fmt::format("and {} more like these: --verbose lists them", notices.size() - told));
+    }
+}
+
 Scene empty_scene() {
     Scene scene;
     scene.name = "none";
@@ -316,9 +348,10 @@ int bake(const Call& call) {
     const Stopwatch clock;
     check(call);
     const fs::path output = output_path(call);
+    check_volume_name(output);
     check_outputs(output, call);
     const ThreadLimit threads(call.threads);
-    Messages messages(call.quiet);
+    Messages messages(call.quiet, call.verbose);
 
     BakeOptions options;
     options.placement.spacing = call.spacing;
@@ -351,8 +384,8 @@ int bake(const Call& call) {
     std::optional<PathTracer> under_sky;
     if (choice.sky && light.environment.is_black()) under_sky.emplace(tracer, sky_to_come);
     stages.push_back({"build", watch.lap(), 0});
-    for (const std::string& notice : light.notices) messages.notice(notice);
-    for (const std::string& notice : scene.notices) messages.notice(notice);
+    print_notices(messages, light.notices);
+    print_notices(messages, scene.notices);
     if (!has_light(paths) && choice.sky) {
         messages.notice("there is no light but that of skies to come: the combined light will be black");
     } else if (!has_light(paths)) {
@@ -379,8 +412,8 @@ int bake(const Call& call) {
                         "moved is traced",
                         call.keep_transport, kept->made.patches, kept->light.sources.count));
     }
-    const std::vector<ShutOut> shut_out = find_shut_out(paths, plan.points);
-    for (const ShutOut& out : shut_out) messages.warning(shut_out_text(out, plan.points.size()));
+    plan.shut_out = find_shut_out(paths, plan.points);
+    for (const ShutOut& out : plan.shut_out) messages.warning(shut_out_text(out, plan.points.size()));
     if (plan.placement.valid + plan.placement.moved == 0) {
         messages.warning("no probe is valid: all are inside solids. Check the level's winding, or give a --volume");
     }
@@ -401,7 +434,7 @@ int bake(const Call& call) {
     const std::string date = fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)));
     nlohmann::json report = bake_report(tracer, plan, result, options, {call.command, date, output, this_machine()});
     report["shut_out"] = nlohmann::json::array();
-    for (const ShutOut& out : shut_out) report["shut_out"].push_back({{"light", out.light}, {"mesh", out.mesh}});
+    for (const ShutOut& out : plan.shut_out) report["shut_out"].push_back({{"light", out.light}, {"mesh", out.mesh}});
     if (!call.report_json.empty()) write_whole_file(call.report_json, report.dump(2) + "\n");
     if (!call.report.empty()) {
         const auto slices = draw_report_slices(report, result.volume, tracer, light.environment);

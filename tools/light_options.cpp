@@ -108,6 +108,7 @@ std::vector<double> parse_numbers(const std::string& text, std::size_t count, co
         if (at == end && numbers.size() == count) return numbers;
         if (at < end && *at++ != ',') break;
     }
+    if (count == 1) throw Error(fmt::format("\"{}\" is not a number, like {}", text, example));
     throw Error(fmt::format("\"{}\" is not {} numbers with commas between them, like {}", text, count, example));
 }
 

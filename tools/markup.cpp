@@ -51,9 +51,9 @@ std::string base64(std::string_view bytes) {
 
 std::string percent_text(double share) {
     const double percent = 100 * share;
-    if (percent == 0) return "0 %";
-    if (std::abs(percent) < 1e-3) return percent < 0 ? "> -0.001 %" : "< 0.001 %";
-    if (std::abs(percent) >= 1000) return fmt::format("{:.0f} %", percent);
+    if (!(percent > 0)) return "0 %";
+    if (percent < 1e-3) return "< 0.001 %";
+    if (percent >= 1000) return fmt::format("{:.0f} %", percent);
     return fmt::format("{:.3g} %", percent);
 }
 

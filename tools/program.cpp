@@ -11,6 +11,7 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <system_error>
 #include <unistd.h>
 #include <vector>
@@ -62,7 +63,16 @@ std::string joined(const std::vector<std::string>& texts, const char* separator)
 // What was given, but belongs to nothing. An unknown option's value looks like an argument too many: only the option
 // counts.
 void find_unknown(const CLI::App& app, std::vector<std::string>& problems) {
-    const std::vector<std::string> extras = app.remaining();
+    std::vector<std::string> extras = app.remaining();
+    const auto end_of_options = std::find(extras.begin(), extras.end(), "--");
+    for (auto extra = end_of_options; extra != extras.end(); ++extra) {
+        if (extra == end_of_options) continue;
+        problems.push_back(
+            fmt::format("argument \"{}\" is one too many: what follows -- is a file's name, so options "
+                        "go before it",
+                        *extra));
+    }
+    extras.erase(end_of_options, extras.end());
     const auto is_option = [](const std::string& text) { return text.size() > 1 && text[0] == '-'; };
     const bool options = std::any_of(extras.begin(), extras.end(), is_option);
     const std::vector<std::string> known_verbs = verbs(app);
@@ -70,7 +80,11 @@ void find_unknown(const CLI::App& app, std::vector<std::string>& problems) {
     for (const std::string& extra : extras) {
         if (is_option(extra)) {
             const std::string name = extra.substr(0, extra.find('='));
-            problems.push_back(fmt::format("unknown option {}{}", name, suggestion(name, long_options(app))));
+            std::error_code unreadable;
+            problems.push_back(
+                std::filesystem::exists(extra, unreadable)
+                    ? fmt::format("{} reads as an option: for the file of that name, write ./{}", extra, extra)
+                    : fmt::format("unknown option {}{}", name, suggestion(name, long_options(app))));
         } else if (verb_is_wrong) {
             problems.push_back(fmt::format("unknown verb {}{}", extra, suggestion(extra, known_verbs)));
             return;

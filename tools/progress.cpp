@@ -30,8 +30,11 @@ std::string rate_text(std::uint64_t rays, double seconds) {
 
 }  // namespace
 
-Messages::Messages(bool quiet)
-    : quiet_(quiet), terminal_(isatty(STDERR_FILENO) != 0), colour_(terminal_ && std::getenv("NO_COLOR") == nullptr) {}
+Messages::Messages(bool quiet, bool verbose)
+    : quiet_(quiet),
+      verbose_(verbose),
+      terminal_(isatty(STDERR_FILENO) != 0),
+      colour_(terminal_ && std::getenv("NO_COLOR") == nullptr) {}
 
 void Messages::line(const std::string& text) const {
     if (!quiet_) fmt::print(stderr, "{}\n", text);
@@ -54,7 +57,7 @@ void ProgressLine::update(const std::string& stage, double share, std::uint64_t 
         quarters_ = 0;
         if (!messages_->terminal()) messages_->line(stage + " ...");
     }
-    const std::string so_far = error ? fmt::format(", error {:.2f} %", 100 * *error) : "";
+    const std::string so_far = error ? fmt::format(", error {:.2f} %", 100 * std::max(*error, 0.0)) : "";
     if (messages_->terminal()) {
         if (Clock::now() - last_drawn_ < redraw_every) return;
         last_drawn_ = Clock::now();

@@ -10,16 +10,18 @@ namespace lightgrid {
 
 class Messages {
   public:
-    explicit Messages(bool quiet);
+    explicit Messages(bool quiet, bool verbose = false);
 
     void line(const std::string& text) const;
     void notice(const std::string& text) const;   // something was ignored, assumed or repaired
     void warning(const std::string& text) const;  // the result may not be what was wanted
     [[nodiscard]] bool quiet() const noexcept { return quiet_; }
+    [[nodiscard]] bool verbose() const noexcept { return verbose_; }  // every detail is welcome
     [[nodiscard]] bool terminal() const noexcept { return terminal_; }
 
   private:
     bool quiet_;
+    bool verbose_;
     bool terminal_;  // standard error is one: a moving bar, and colour unless NO_COLOR is set
     bool colour_;
 };

@@ -15,7 +15,6 @@
 namespace lightgrid {
 namespace {
 
-constexpr double most_samples = 1U << 28;  // their directions take 3 GB per thread and 16 replicates
 constexpr double least_time_budget = 30;   // seconds: less would buy little but start and end
 
 /// A finite number and what follows it, without the spaces between.

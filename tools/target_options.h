@@ -2,6 +2,8 @@
 
 #include "probes/target.h"
 
+#include <cstdint>
+#include <optional>
 #include <string>
 
 namespace CLI {  // NOLINT(readability-identifier-naming)
@@ -10,6 +12,9 @@ class App;
 
 /// What a bake is to reach or may cost, on the command line.
 namespace lightgrid {
+
+/// --samples takes no more: their directions take 3 GB per thread and 16 replicates.
+inline constexpr double most_samples = 1U << 28;
 
 /// As they were typed; empty: not given.
 struct TargetOptions {
