@@ -348,8 +348,8 @@ int bake(const Call& call) {
     const Stopwatch clock;
     check(call);
     const fs::path output = output_path(call);
-    check_volume_name(output);
     check_outputs(output, call);
+    check_volume_name(output);
     const ThreadLimit threads(call.threads);
     Messages messages(call.quiet, call.verbose);
 

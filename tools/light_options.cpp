@@ -52,9 +52,11 @@ CLI::Validator number(double least, double most, bool whole) {
         const auto [stopped_at, problem] = std::from_chars(text.data(), end, value);
         const bool fits = problem == std::errc() && stopped_at == end && value >= least && value <= most;
         if (fits && (!whole || value == std::floor(value))) return;
+        const bool has_least = least > std::numeric_limits<double>::lowest();
+        const bool has_most = most < std::numeric_limits<double>::max();
         std::string wanted = whole ? "whole number" : "finite number";
-        if (least > std::numeric_limits<double>::lowest()) wanted += fmt::format(" from {} on", least);
-        if (most < std::numeric_limits<double>::max()) wanted += fmt::format(" to {}", most);
+        if (has_least) wanted += fmt::format(" from {}{}", least, has_most ? "" : " on");
+        if (has_most) wanted += fmt::format(" to {}", most);
         throw Error(fmt::format("{} is not a {}", text, wanted));
     });
 }

@@ -15,7 +15,7 @@
 namespace lightgrid {
 namespace {
 
-constexpr double least_time_budget = 30;   // seconds: less would buy little but start and end
+constexpr double least_time_budget = 30;  // seconds: less would buy little but start and end
 
 /// A finite number and what follows it, without the spaces between.
 std::pair<double, std::string> number_and_unit(const std::string& text) {

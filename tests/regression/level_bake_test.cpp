@@ -8,6 +8,7 @@
 #include <cmath>
 #include <optional>
 #include <set>
+#include <sstream>
 
 namespace lightgrid {
 namespace {
@@ -221,7 +222,7 @@ TEST_F(LevelBake, ALevelWithoutMaterialsIsGreyAndSaysSo) {
     EXPECT_LT(dark.sh(0)[0].g, 0.8F * load_volume(folder() / "grey.exr").sh(0)[0].g);
     EXPECT_EQ(load_volume(folder() / "same.exr").coefficients, load_volume(folder() / "grey.exr").coefficients)
         << "where a primitive has a material, the option changes nothing";
-    expect_refused("blockout.glb --default-albedo 1.5", "1.5 is not a finite number from 0 on to 1");
+    expect_refused("blockout.glb --default-albedo 1.5", "1.5 is not a finite number from 0 to 1");
 }
 
 TEST_F(LevelBake, MissingTexturesAreNamedAndNoErrorIsJudged) {
@@ -277,7 +278,7 @@ TEST_F(LevelBake, LeavesNothingHalfWrittenWhenItIsStopped) {
 // ---- What is printed
 
 TEST_F(LevelBake, TellsBeforeAndAfterTheBakeWhatItDoes) {
-    const Result result = run(cornell + " --samples 20 --spacing 1");
+    const Result result = run(cornell + " --samples 20 --spacing 1 --verbose");
     for (const char* part : {"level      cornell.glb: ", "probes     ", " inside solids", "estimate   ", " of memory",
                              "left out   environment look-ups: ", "32 per probe in 16 replicates (20 asked, rounded up",
                              "\nload ", "\ngather ", "Mrays/s", "noise      ", "written    cornell.probes.exr ("}) {
@@ -285,6 +286,51 @@ TEST_F(LevelBake, TellsBeforeAndAfterTheBakeWhatItDoes) {
     }
     EXPECT_LT(result.err.find("estimate   "), result.err.find("gather ..."));
     EXPECT_EQ(result.err.find_first_of("\r\x1b"), std::string::npos) << "no terminal: plain lines\n" << result.err;
+}
+
+TEST_F(LevelBake, SaysTheEssentialsOnAScreenful) {
+    const Result result = run(cornell + " --max-error 30% --spacing 1");
+    for (const char* part :
+         {"level      cornell.glb: ", "\nprobes     ", " in a grid, ", "\nestimate   ", "\nbaked in   ",
+          "\nerror      ", "\nverdict    target ", " things: --verbose lists them\n", "\nwritten    "}) {
+        EXPECT_NE(result.err.find(part), std::string::npos) << part << "\n" << result.err;
+    }
+    std::size_t lines = 0;  // without those that a terminal shows as one moving bar
+    std::istringstream text(result.err);
+    for (std::string line; std::getline(text, line);) {
+        const bool is_progress = line.ends_with(" ...") || line.find(" %, ") != std::string::npos ||
+                                 line.ends_with("0 %") || line.ends_with("5 %");
+        lines += is_progress ? 0 : 1;
+        EXPECT_EQ(line.find("-0"), std::string::npos) << line;
+    }
+    EXPECT_LE(lines, 14U) << result.err;
+    EXPECT_EQ(result.err.find("left out   environment"), std::string::npos) << result.err;
+}
+
+TEST_F(LevelBake, TheOnlyLightBeingOutOfSightIsNotATargetMet) {
+    write_floor("floor.glb");
+    const nlohmann::json report = json("floor.glb --volume=-1,0.5,-1,1,1,1 --json");
+    EXPECT_TRUE(report["error"]["target_met"].is_null());
+    EXPECT_EQ(report["target"]["verdict"], "not judged: nothing shines, all is black");
+}
+
+TEST_F(LevelBake, AdviceOfTheReportIsAccepted) {
+    // A limit that half the spacing does not fit, and grids that are refined.
+    for (const auto& [fixed, instead] :
+         {std::pair<std::string, std::string>{"--spacing 2 --samples 32 --max-probes 100", "--samples 16"},
+          std::pair<std::string, std::string>{"--volume 0.3,0.3,0.3,5.2,3,5.2 --max-error 30% --bands 2", ""}}) {
+        const nlohmann::json report = json(cornell + " --seed 3 " + fixed + " --report-json r.json --json -o a.exr");
+        ASSERT_GE(report["remedies"].size(), 2U);
+        for (const nlohmann::json& remedy : report["remedies"]) {
+            const std::string option = remedy["option"];
+            std::string call = cornell + " " + option + " -o b.exr --quiet";
+            if (option.find("--samples") == std::string::npos) call += " " + instead;
+            if (option.find("--max-error") == std::string::npos && instead.empty()) call += " --spacing 2";
+            if (option.find("--spacing") == std::string::npos) call += " --volume 0.3,0.3,0.3,1.2,1,1.2";
+            const Result followed = run(call);
+            EXPECT_EQ(followed.status, 0) << option << "\n" << followed.err;
+        }
+    }
 }
 
 TEST_F(LevelBake, PrintsTheSummaryAsJsonAndNothingElseWithJson) {
@@ -327,7 +373,7 @@ TEST_F(LevelBake, ReportsErrorCurveStagesAndWhatItLeftOut) {
 }
 
 TEST_F(LevelBake, SaysWhatTheErrorIsMadeOfInSquares) {
-    const Result result = run(cornell + " --samples 64 --spacing 1 --report-json report.json");
+    const Result result = run(cornell + " --samples 64 --spacing 1 --report-json report.json --verbose");
     const auto squares = nlohmann::json::parse(bytes("report.json"))["error"]["squares"];
     double sum = 0;
     for (const char* part : {"noise", "bands", "interpolation", "bias", "storage", "cross"}) {
@@ -438,6 +484,15 @@ TEST_F(LevelBake, ReportsEveryWrongOptionAndWhatItMayHaveMeant) {
     expect_refused("", "no LEVEL");
     expect_refused("a.glb --probes p.csv --spacing 1", "--probes is a list of its own");
     expect_refused("a.glb b.glb", "argument \"b.glb\" is one too many");
+    expect_refused("a.glb --spacing 0", "--spacing: 0 is no distance between probes: it must be above 0, like 0.5");
+    expect_refused("a.glb --quiet --verbose", "--quiet excludes --verbose");
+    expect_refused("-- a.glb --samples 4", "\"--samples\" is one too many: what follows -- is a file's name");
+    write_floor("-dash.glb");
+    expect_refused("-dash.glb", "-dash.glb reads as an option: for the file of that name, write ./-dash.glb");
+    EXPECT_EQ(run("--sky 1,1,1 --samples 16 --spacing 1 --quiet -- -dash.glb").status, 0);
+    EXPECT_TRUE(fs::exists(folder() / "-dash.probes.exr"));
+    expect_refused("-o out.png -- -dash.glb",
+                   "out.png: a volume is an OpenEXR file, not a .png file. Name it out.probes.exr.");
     expect_refused("a.glb --spacing nan", "--spacing: ");
     expect_refused("a.glb --sky 1,1,inf", "--sky: ");
 }
@@ -472,7 +527,7 @@ TEST_F(LevelBake, PlacesProbesWhereTheLevelsMarkersAre) {
         "floor.glb",
         {{{"name", "here"}, {"translation", {0, 1, 0}}, {"scale", {2, 2, 2}}, {"extras", {{"lightgrid", "volume"}}}},
          {{"name", "spot"}, {"translation", {0.1, 5, 0.2}}, {"extras", {{"lightgrid", "probe"}}}}});
-    const Result result = run("floor.glb --sky 1,1,1 --samples 16 --spacing 1");
+    const Result result = run("floor.glb --sky 1,1,1 --samples 16 --spacing 1 --verbose");
     ASSERT_EQ(result.status, 0) << result.err;
     EXPECT_NE(result.err.find("over the box marked in the level"), std::string::npos) << result.err;
     const Volume volume = load_volume(folder() / "floor.probes.exr");
@@ -706,7 +761,8 @@ TEST_F(LevelBake, BakesLayersOfGroupsAndListsThem) {
     ASSERT_EQ(volume.layers.size(), 3U);
     // Both lights stand at one place.
     EXPECT_EQ(volume.layers[0].coefficients, volume.layers[1].coefficients);
-    EXPECT_NE(run(call + "--layers lamps -o lit.exr").err.find("layers of 1 groups of lights: nobody asked for them"),
+    EXPECT_NE(run(call + "--layers lamps -o lit.exr --verbose")
+                  .err.find("layers of 1 groups of lights: nobody asked for them"),
               std::string::npos);
     expect_refused("lit.glb --layers lmaps",
                    "lit.glb: there is no group \"lmaps\" of lights. Choose among: lamps, signs.");

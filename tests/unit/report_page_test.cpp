@@ -137,6 +137,7 @@ TEST(Markup, NumbersAsPeopleReadThem) {
     EXPECT_EQ(percent_text(0), "0 %");
     EXPECT_EQ(percent_text(1e-9), "< 0.001 %");
     EXPECT_EQ(percent_text(17.38), "1738 %");
+    EXPECT_EQ(percent_text(-0.02), "0 %") << "an estimate of a square that is below 0";
     EXPECT_EQ(grouped(7), "7");
     EXPECT_EQ(grouped(1000), "1,000");
     EXPECT_EQ(grouped(65536), "65,536");

@@ -37,8 +37,10 @@ TEST(Verdict, TheUpperEndOfTheIntervalDecides) {
     EXPECT_EQ(judge({}, {&error}).target_met, true) << "without a target of one's own, bands do not count";
     EXPECT_EQ(judge({}, {&error}).sentence, "target met: 1.9 % at most, of 2 %");
     EXPECT_EQ(judge({{}, 0.02, {}}, {&error}).target_met, false) << "with one they do";
-    error.without_bands.interval.high = 0.021;
+    error.without_bands.interval.high = 0.0237;
+    error.points = 512;
     EXPECT_EQ(judge({}, {&error}).target_met, false);
+    EXPECT_EQ(judge({}, {&error}).sentence, "target 2 % missed: 1 %, but up to 2.4 % is possible with 512 places");
 }
 
 TEST(Verdict, WithMissingTexturesNothingIsJudged) {
@@ -65,6 +67,7 @@ TEST(Verdict, NamesThePartsThatAreInTheWay) {
     error.bands = part(0.048, 0.06);
     error.interpolation = part(0.011, 0.02);
     error.noise = part(0.004, 0.004);
+    error.bias = part(-0.003, 0.001);
     EXPECT_EQ(judge({{}, 0.02, {}}, {&error}).sentence, "target not reached: bands 4.8 %, interpolation 1.1 %");
 }
 
@@ -79,6 +82,12 @@ TEST(Verdict, DarknessIsNoEvidenceWhereALightWasNeverTested) {
     EXPECT_EQ(judge({}, evidence).target_met, true);
     evidence = {&error, 0, 1234, true, true};
     EXPECT_EQ(judge({}, evidence).target_met, true) << "what shadow rays found dark is dark";
+    EXPECT_EQ(judge({}, evidence).sentence, "all is dark: rays to every light were stopped at each of 1234 points");
+    evidence.is_shut_out = true;
+    EXPECT_FALSE(judge({}, evidence).target_met) << "one mesh in the way may be a mistake";
+    evidence.has_light = false;
+    EXPECT_FALSE(judge({}, evidence).target_met);
+    EXPECT_EQ(judge({}, evidence).sentence, "not judged: nothing shines, all is black");
 }
 
 }  // namespace
