@@ -227,6 +227,7 @@ Scene load_level(const std::filesystem::path& path, const LoadOptions& options) 
     try {
         Scene scene = read_scene(Document(std::move(file), path.parent_path()), options);
         scene.name = path.filename().string();
+        scene.metres_per_unit = options.metres_per_unit;
         return scene;
     } catch (const Error& error) {
         throw error.inside(path.string());

@@ -19,6 +19,7 @@ struct LoadOptions {
     float default_albedo = 0.8F;  // of a level none of whose primitives has a material, in [0, 1]
     // What becomes of textures that are missing or cannot be read: named and left out, or an Error.
     MissingTextures missing_textures = MissingTextures::warn;
+    double metres_per_unit = 1;  // > 0; glTF's unit is the metre, but not every exporter's is
 };
 
 /// Reads a level from glTF 2.0: .gltf or .glb, recognised by content, with data URIs or files beside it.

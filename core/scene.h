@@ -9,7 +9,8 @@
 #include <string>
 #include <vector>
 
-/// The level as plain data: what light needs to know of it and nothing else. Lengths are metres, axes glTF's (+Y up).
+/// The level as plain data: what light needs to know of it and nothing else. Lengths are in the file's units: metres, as
+/// glTF says, but for Scene::metres_per_unit. Axes are glTF's (+Y up).
 namespace lightgrid {
 
 struct Box {
@@ -120,9 +121,10 @@ struct LeftOut {
 };
 
 struct Scene {
-    std::string name;      // file name, for messages
-    glm::dvec3 origin{0};  // the level's position of (0, 0, 0) in everything below: the centre of its bounds
-    Box bounds;            // in the level's own coordinates
+    std::string name;            // file name, for messages
+    double metres_per_unit = 1;  // of lengths below; only what is told or chosen in metres heeds it
+    glm::dvec3 origin{0};        // the level's position of (0, 0, 0) in everything below: the centre of its bounds
+    Box bounds;                  // in the level's own coordinates
     std::vector<Mesh> meshes;
     std::vector<int> placed;  // meshes that stand in the level once, transformed already
     std::vector<Model> models;
@@ -136,7 +138,7 @@ struct Scene {
     std::vector<std::string> node_names;    // what LoadOptions::ignore is tried on; empty: nameless
     std::vector<std::string> missing_textures;  // that light would read, but that cannot be read: the light is not the
                                                 // level's own
-    std::vector<std::string> notices;       // for the user: what was ignored, clamped or repaired, by name
+    std::vector<std::string> notices;           // for the user: what was ignored, clamped or repaired, by name
     std::vector<LeftOut> left_out;
 };
 

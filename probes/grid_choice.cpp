@@ -20,7 +20,8 @@ glm::dvec3 with_room(glm::dvec3 size, double least) {
     return glm::max(size, glm::dvec3(least));
 }
 
-double automatic_spacing(const std::vector<Box>& boxes) {
+/// Metres.
+double automatic_spacing(const std::vector<Box>& boxes, double metres_per_unit) {
     double volume = 0;
     double largest = 0;
     for (const Box& box : boxes) {
@@ -29,7 +30,7 @@ double automatic_spacing(const std::vector<Box>& boxes) {
         const glm::dvec3 solid = with_room(size, std::max({size.x, size.y, size.z}) / 64);
         volume += solid.x * solid.y * solid.z;
     }
-    return largest > 0 ? std::cbrt(volume / automatic_probes) : 1;
+    return largest > 0 ? metres_per_unit * std::cbrt(volume / automatic_probes) : 1;
 }
 
 Grid span_box(const Box& box, double spacing) {
@@ -65,13 +66,15 @@ std::vector<Grid> span_boxes(const std::vector<Box>& boxes, double spacing) {
 
 /// `spacing`, or the first of a series of larger ones with which the boxes hold no more than max_probes; rounded up to
 /// four digits, so that a user can ask for it.
-double spacing_within(const std::vector<Box>& boxes, double spacing, std::int64_t max_probes) {
+///
+/// spacing  metres, as what is returned
+double spacing_within(const std::vector<Box>& boxes, double spacing, double metres_per_unit, std::int64_t max_probes) {
     if (static_cast<double>(8 * boxes.size()) > static_cast<double>(max_probes)) {
         throw Error(
             fmt::format("{} boxes need at least 8 probes each, more than --max-probes {}", boxes.size(), max_probes),
             "--max-probes", "Allow more probes or give fewer boxes");
     }
-    while (probe_count(span_boxes(boxes, spacing)) > static_cast<double>(max_probes)) {
+    while (probe_count(span_boxes(boxes, spacing / metres_per_unit)) > static_cast<double>(max_probes)) {
         const double digit = std::pow(10, std::floor(std::log10(spacing)) - 3);
         spacing = std::ceil(1.05 * spacing / digit) * digit;
     }
@@ -81,6 +84,7 @@ double spacing_within(const std::vector<Box>& boxes, double spacing, std::int64_
 }  // namespace
 
 GridChoice choose_grids(const Scene& scene, const PlacementOptions& options, const Box& within) {
+    const double metres_per_unit = scene.metres_per_unit;
     std::vector<Box> boxes = options.boxes;
     std::string over = boxes.size() == 1 ? "the given box" : "the given boxes";
     if (boxes.empty()) {
@@ -92,22 +96,22 @@ GridChoice choose_grids(const Scene& scene, const PlacementOptions& options, con
         over = "the level's bounds";
         const glm::dvec3 cut = glm::max(boxes[0].min - scene.bounds.min, scene.bounds.max - boxes[0].max);
         const double deepest = std::max({cut.x, cut.y, cut.z});
-        if (deepest > 0) over += fmt::format(" but up to {:.2g} m behind outer walls", deepest);
+        if (deepest > 0) over += fmt::format(" but up to {:.2g} m behind outer walls", deepest * metres_per_unit);
         if (const double above = boxes[0].max.y - scene.bounds.max.y; above > 0)
-            over += fmt::format(" and {:.2g} m above them, under the open sky", above);
+            over += fmt::format(" and {:.2g} m above them, under the open sky", above * metres_per_unit);
     }
     if (boxes.empty()) return {{}, "no surfaces and no boxes: one probe at the origin"};
 
-    const double wanted = options.spacing.value_or(automatic_spacing(boxes));
-    const double spacing = spacing_within(boxes, wanted, options.max_probes);
+    const double wanted = options.spacing.value_or(automatic_spacing(boxes, metres_per_unit));
+    const double spacing = spacing_within(boxes, wanted, metres_per_unit, options.max_probes);
     if (options.spacing && spacing > wanted) {
-        const double count = probe_count(span_boxes(boxes, wanted));
+        const double count = probe_count(span_boxes(boxes, wanted / metres_per_unit));
         throw Error(fmt::format("a spacing of {:.4g} m makes {:.0f} probes ({:.3g} GB), more than --max-probes {}",
                                 wanted, count, count * bytes_per_probe * 1e-9, options.max_probes),
                     "--spacing",
                     fmt::format("Use --spacing {:.4g}, a smaller --volume, or a larger --max-probes", spacing));
     }
-    return {span_boxes(boxes, spacing),
+    return {span_boxes(boxes, spacing / metres_per_unit),
             options.spacing ? fmt::format("{:.4g} m as asked, over {}", spacing, over)
                             : fmt::format("{:.4g} m, for about {:.0f} probes over {}", spacing,
                                           std::min(automatic_probes, static_cast<double>(options.max_probes)), over)};

@@ -15,7 +15,7 @@ struct PlacementOptions {
     std::optional<double> spacing;  // metres between probes at most; none: chosen from the boxes' size
     std::vector<Box> boxes;         // level coordinates; empty: the level's markers, else its bounds
     std::int64_t max_probes = 65536;
-    double headroom = 2;  // above ground that is open to the sky, at most, where the boxes are the level's bounds
+    double headroom = 2;  // metres above ground open to the sky, at most, where the boxes are the level's bounds
 };
 
 struct GridChoice {

@@ -332,8 +332,9 @@ bool is_sound(const KeptTransport& kept) {
 std::uint64_t transport_fingerprint(const Scene& scene, const BakeOptions& options, const std::string& version) {
     Hasher hash;
     hash.add(version);
-    const auto& [name, origin, bounds, meshes, placed, models, instances, materials, textures, lights, groups,
-                 volume_markers, probe_markers, node_names, missing_textures, notices, left_out] = scene;
+    const auto& [name, metres_per_unit, origin, bounds, meshes, placed, models, instances, materials, textures, lights,
+                 groups, volume_markers, probe_markers, node_names, missing_textures, notices, left_out] = scene;
+    hash.add(metres_per_unit);
     hash.add(origin);
     hash.each(meshes);
     hash.each(placed);

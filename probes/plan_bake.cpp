@@ -168,7 +168,7 @@ constexpr double headroom_share = 0.25;
 
 void make_headroom(const Tracer& tracer, double most, Box& box, PathCounts& counts) {
     const glm::dvec3 size = tracer.scene().bounds.size();
-    const double headroom = std::min(most, headroom_share * std::max(size.x, size.z));
+    const double headroom = std::min(most / tracer.scene().metres_per_unit, headroom_share * std::max(size.x, size.z));
     if (!(headroom > 0)) return;
     if (const std::optional<double> top = top_of_open_ground(tracer, headroom, counts.rays))
         box.max.y = std::max(box.max.y, *top + headroom);

@@ -17,9 +17,9 @@ enum class Outside : std::uint8_t { clamp, fade };  // where no light is known: 
 enum class Interpolation : std::uint8_t { trilinear, nearest };  // of a cell's corners: all, or the one that says most
 
 struct SampleOptions {
-    float normal_bias = 0;  // metres that the position is moved along the normal before the look-up
+    float normal_bias = 0;  // that the position is moved along the normal before the look-up; lengths are as in Volume
     Outside outside = Outside::clamp;
-    float fade_distance = 1;                   // metres from the nearest light at which `fade` ends in the environment
+    float fade_distance = 1;                   // from the nearest light at which `fade` ends in the environment
     std::span<const glm::vec3> environment{};  // bands^2 coefficients; empty: black
     Interpolation interpolation = Interpolation::trilinear;
     std::span<const glm::vec3> layers{};  // weight times colour of each of the volume's; empty: the combined light

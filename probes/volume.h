@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-/// The result of a bake as plain data. Positions are in the level's own coordinates, metres.
+/// The result of a bake as plain data. Lengths and positions are in the level's own coordinates: metres, as glTF says.
 namespace lightgrid {
 
 /// What became of a probe. `absent` pads bricks that reach beyond their grid; it has no light and no place.

@@ -158,10 +158,11 @@ void print_left_out(const Messages& messages, std::span<const LeftOut> items) {
 }
 
 /// Grids, samples and bands, and why.
-void print_decisions(const Messages& messages, const BakePlan& plan) {
+void print_decisions(const Messages& messages, const BakePlan& plan, double metres_per_unit) {
     for (const Grid& grid : plan.volume.grids) {
+        const glm::dvec3 spacing = metres_per_unit * grid.spacing;
         messages.line(fmt::format("grid       {} x {} x {} probes, {:.4g} x {:.4g} x {:.4g} m apart", grid.counts.x,
-                                  grid.counts.y, grid.counts.z, grid.spacing.x, grid.spacing.y, grid.spacing.z));
+                                  grid.counts.y, grid.counts.z, spacing.x, spacing.y, spacing.z));
     }
     messages.line(fmt::format("spacing    {}", plan.why_spacing));
     if (plan.steering) {
@@ -180,10 +181,12 @@ void print_decisions(const Messages& messages, const BakePlan& plan) {
 }
 
 /// "probes     61,366 in 5 grids, 0.36 to 0.021 m apart; 912 rays each, 3 bands"
-std::string probes_in_short(const BakePlan& plan) {
+std::string probes_in_short(const BakePlan& plan, double metres_per_unit) {
     std::string apart;
     if (plan.volume.has_cells()) {
-        const auto widest = [](const Grid& grid) { return std::max({grid.spacing.x, grid.spacing.y, grid.spacing.z}); };
+        const auto widest = [&](const Grid& grid) {
+            return metres_per_unit * std::max({grid.spacing.x, grid.spacing.y, grid.spacing.z});
+        };
         const auto wider = [&](const Grid& a, const Grid& b) { return widest(a) < widest(b); };
         const auto [finest, coarsest] = std::minmax_element(plan.volume.grids.begin(), plan.volume.grids.end(), wider);
         apart =
@@ -207,7 +210,7 @@ std::string totals(const std::vector<Stage>& stages) {
                        1e-6 * static_cast<double>(sum.rays));
 }
 
-void print_stages(const Messages& messages, const BakeResult& result) {
+void print_stages(const Messages& messages, const BakeResult& result, double metres_per_unit) {
     for (const Stage& stage : result.stages) {
         const double rate = stage.seconds > 0 ? static_cast<double>(stage.rays) * 1e-6 / stage.seconds : 0;
         messages.line(stage.rays == 0
@@ -217,8 +220,9 @@ void print_stages(const Messages& messages, const BakeResult& result) {
     }
     if (result.cache) {
         messages.line(fmt::format("cache      {} patches of {} samples, {:.3g} m wide, solved in {} sweeps to {:.1e}",
-                                  result.cache->patches, result.cache->samples, result.cache->width,
-                                  result.cache->sweeps, result.cache->residual));
+                                  result.cache->patches, result.cache->samples,
+                                  metres_per_unit * static_cast<double>(result.cache->width), result.cache->sweeps,
+                                  result.cache->residual));
     }
     if (result.filled > 0)
         messages.line(fmt::format("filled     {} invalid probes from their neighbours", result.filled));
@@ -257,22 +261,23 @@ void print_layers(const Messages& messages, const Volume& volume) {
 
 void print_plan(const Messages& messages, const Scene& scene, const Tracer& tracer, const BakePlan& plan,
                 const BakeOptions& options) {
-    const glm::dvec3 size = scene.bounds.size();
+    const glm::dvec3 size = scene.metres_per_unit * scene.bounds.size();
     messages.line(fmt::format("level      {}: {} triangles, {:.4g} x {:.4g} x {:.4g} m, {} punctual lights", scene.name,
                               tracer.triangle_count(), size.x, size.y, size.z, scene.lights.size()));
     messages.line(fmt::format("light      {}{}", options.environment.empty() ? "the level's own" : options.environment,
                               options.environment.empty() ? "" : ", and the level's own"));
-    messages.verbose() ? print_decisions(messages, plan) : messages.line(probes_in_short(plan));
+    messages.verbose() ? print_decisions(messages, plan, scene.metres_per_unit)
+                       : messages.line(probes_in_short(plan, scene.metres_per_unit));
     messages.line(fmt::format("estimate   {}, {} of memory", duration_text(plan.seconds_estimate),
                               bytes_text(plan.bytes_estimate)));
     for (const std::string& line : why_slow(plan, options.target)) messages.line("           " + line);
     if (messages.verbose()) print_left_out(messages, plan.left_out);
 }
 
-void print_result(const Messages& messages, const BakePlan& plan, const BakeResult& result,
+void print_result(const Messages& messages, const Scene& scene, const BakePlan& plan, const BakeResult& result,
                   const std::filesystem::path& output) {
     if (messages.verbose()) {
-        print_stages(messages, result);
+        print_stages(messages, result, scene.metres_per_unit);
     } else {
         messages.line("baked in   " + totals(result.stages));
     }
@@ -314,11 +319,9 @@ json bake_report(const Tracer& tracer, const BakePlan& plan, const BakeResult& r
     report["command"] = call.command;
     report["date"] = call.date;
     report["machine"] = machine_json(call.machine);
-    report["scene"] = {{"triangles", tracer.triangle_count()},
-                       {"meshes", scene.meshes.size()},
-                       {"materials", scene.materials.size()},
-                       {"punctual_lights", scene.lights.size()},
-                       {"size", to_json(scene.bounds.size())}};
+    report["scene"] = {{"triangles", tracer.triangle_count()}, {"meshes", scene.meshes.size()},
+                       {"materials", scene.materials.size()},  {"punctual_lights", scene.lights.size()},
+                       {"size", to_json(scene.bounds.size())}, {"metres_per_unit", scene.metres_per_unit}};
     report["level"] = result.volume.settings.at("level");
     report["environment"] = result.volume.settings.at("environment");
     report["output"] = call.output.filename().string();
@@ -366,7 +369,7 @@ json bake_report(const Tracer& tracer, const BakePlan& plan, const BakeResult& r
     }
     const double gather_seconds = result.curve.empty() ? 0 : result.curve.back().seconds;
     report["halving"] = halving_json(result, gather_seconds);
-    report["remedies"] = remedies_json(find_remedies(plan, result, options, gather_seconds));
+    report["remedies"] = remedies_json(find_remedies(plan, result, options, gather_seconds, scene.metres_per_unit));
     report["look_ups"] = look_ups_json(result);
     report["left_out"] = json::array();
     for (const LeftOut& item : result.left_out) {

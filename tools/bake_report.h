@@ -19,7 +19,7 @@ void print_plan(const Messages& messages, const Scene& scene, const Tracer& trac
 
 /// What it took, how wrong the volume is, the verdict, how many things were left out, and the file; where messages are
 /// verbose, stages, parts of the error, and what was left out since the plan was printed.
-void print_result(const Messages& messages, const BakePlan& plan, const BakeResult& result,
+void print_result(const Messages& messages, const Scene& scene, const BakePlan& plan, const BakeResult& result,
                   const std::filesystem::path& output);
 
 /// How level-bake was called, and where.

@@ -440,7 +440,7 @@ int bake(const Call& call) {
         const auto slices = draw_report_slices(report, result.volume, tracer, light.environment);
         write_whole_file(call.report, report_page(report, slices));
     }
-    print_result(messages, plan, result, output);
+    print_result(messages, scene, plan, result, output);
     if (result.kept) {
         messages.line("kept       " + call.keep_transport);
     } else if (options.keep_transport && !kept) {

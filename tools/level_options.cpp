@@ -16,15 +16,30 @@ constexpr const char* scene_setting = "scene";
 constexpr const char* ignore_setting = "ignore";
 constexpr const char* default_albedo_setting = "default_albedo";
 constexpr const char* missing_textures_setting = "missing_textures";
+constexpr const char* scale_setting = "scale";
+
+constexpr double least_scale = 1e-6;
+constexpr double most_scale = 1e6;
+
+template <typename T>
+bool is_any(const T&) {
+    return true;
+}
+
+bool is_scale(const double& scale) {
+    return scale >= least_scale && scale <= most_scale;
+}
 
 /// Reads a setting into `value` where it is there and `value` was not given. Settings are written as JSON.
 template <typename T>
-void read(const Volume& volume, const char* name, std::optional<T>& value) {
+void read(const Volume& volume, const char* name, std::optional<T>& value, bool (&is_valid)(const T&) = is_any<T>) {
     const auto found = volume.settings.find(name);
     if (value || found == volume.settings.end()) return;
     try {
         value = nlohmann::json::parse(found->second).get<T>();
     } catch (const nlohmann::json::exception&) {
+    }
+    if (!value || !is_valid(*value)) {
         throw Error(fmt::format("\"{}\" does not read as level-bake writes it", found->second),
                     fmt::format("the volume's setting \"{}\"", name), "Bake the volume anew.");
     }
@@ -66,6 +81,13 @@ void add_level_options(CLI::App& app, LevelOptions& options) {
         ->type_name("NAME")
         ->check(checked([](const std::string& name) { static_cast<void>(parse_missing_textures(name)); }))
         ->group(group);
+    app.add_option(
+           "--scale", options.scale,
+           "Metres in a unit of the level's file: 0.01 where it is in centimetres. Changes what is told or chosen "
+           "in metres; coordinates and light stay the file's (default: 1)")
+        ->type_name("S")
+        ->check(number(least_scale, most_scale))
+        ->group(group);
 }
 
 std::vector<std::string> names_of(const LevelOptions& options) {
@@ -74,6 +96,7 @@ std::vector<std::string> names_of(const LevelOptions& options) {
     if (options.ignore) names.emplace_back("--ignore");
     if (options.default_albedo) names.emplace_back("--default-albedo");
     if (options.missing_textures) names.emplace_back("--missing-textures");
+    if (options.scale) names.emplace_back("--scale");
     return names;
 }
 
@@ -84,7 +107,14 @@ LoadOptions load_options(const LevelOptions& options) {
         if (!pattern.empty()) load.ignore.push_back(pattern);
     if (options.default_albedo) load.default_albedo = static_cast<float>(*options.default_albedo);
     if (options.missing_textures) load.missing_textures = parse_missing_textures(*options.missing_textures);
+    if (options.scale) load.metres_per_unit = *options.scale;
     return load;
+}
+
+double metres_per_unit(const Volume& volume) {
+    std::optional<double> scale;
+    read(volume, scale_setting, scale, is_scale);
+    return scale.value_or(LoadOptions{}.metres_per_unit);
 }
 
 void record(const LevelOptions& options, Volume& volume) {
@@ -94,6 +124,7 @@ void record(const LevelOptions& options, Volume& volume) {
         volume.settings[default_albedo_setting] = nlohmann::json(*options.default_albedo).dump();
     if (options.missing_textures)
         volume.settings[missing_textures_setting] = nlohmann::json(*options.missing_textures).dump();
+    if (options.scale) volume.settings[scale_setting] = nlohmann::json(*options.scale).dump();
 }
 
 LevelOptions with_recorded(LevelOptions given, const Volume& volume) {
@@ -101,6 +132,7 @@ LevelOptions with_recorded(LevelOptions given, const Volume& volume) {
     read(volume, ignore_setting, given.ignore);
     read(volume, default_albedo_setting, given.default_albedo);
     read(volume, missing_textures_setting, given.missing_textures);
+    read(volume, scale_setting, given.scale, is_scale);
     return given;
 }
 

@@ -17,6 +17,7 @@ struct LevelOptions {
     std::optional<std::vector<std::string>> ignore;  // patterns, see LoadOptions; empty ones fit nothing
     std::optional<double> default_albedo;
     std::optional<std::string> missing_textures;  // "warn" or "error"
+    std::optional<double> scale;                  // metres per unit of the file
 };
 
 void add_level_options(CLI::App& app, LevelOptions& options);
@@ -25,6 +26,9 @@ void add_level_options(CLI::App& app, LevelOptions& options);
 [[nodiscard]] std::vector<std::string> names_of(const LevelOptions& options);
 
 [[nodiscard]] LoadOptions load_options(const LevelOptions& options);
+
+/// Of the coordinates of a volume, as --scale said. Throws Error as with_recorded() does.
+[[nodiscard]] double metres_per_unit(const Volume& volume);
 
 /// Adds those that were given to a volume's settings.
 void record(const LevelOptions& options, Volume& volume);

@@ -188,14 +188,14 @@ glm::dvec2 Slice::pixel(glm::dvec3 point) const {
 }
 
 std::string Slice::title() const {
-    return fmt::format("{} at {} = {:.2f} m", axis == 1 ? "Plan" : "Section", "xyz"[axis], position);
+    return fmt::format("{} at {} = {:.2f}", axis == 1 ? "Plan" : "Section", "xyz"[axis], position);
 }
 
-SlicePictures picture_slices(const LitLevel& level, const Volume& volume, glm::dvec3 at, double pixels_per_metre) {
+SlicePictures picture_slices(const LitLevel& level, const Volume& volume, glm::dvec3 at, double scale) {
     SlicePictures result;
     std::vector<std::vector<SlicePixel>> pixels;
     for (const int axis : {1, 2, 0}) {
-        const Slice slice{axis, at[axis], bounds_of(volume), pixels_per_metre};
+        const Slice slice{axis, at[axis], bounds_of(volume), scale};
         if (slice.size().x < 1 || slice.size().y < 1) continue;
         result.slices.push_back(slice);
         pixels.push_back(sample_slice(level, slice));
@@ -249,7 +249,7 @@ Canvas draw_slices(const LitLevel& level, const Volume& volume, const PictureOpt
     }
     if (!slices.pictures.empty())
         draw_legend(canvas, bar, slices.pictures[0].height - line_height, slices.lux, "lux", ink);
-    draw_metre(canvas, {margin, corner.y + 4}, scale, options.width);
+    draw_metre(canvas, {margin, corner.y + 4}, scale / level.tracer->scene().metres_per_unit, options.width);
     return canvas;
 }
 
@@ -291,8 +291,8 @@ Canvas draw_probes(const LitLevel& level, const Volume& volume, const PictureOpt
         canvas.paste(picture, corner);
         corner.y += picture.height + line_height / 2;
     };
-    draw(fmt::format("Layer at y = {:.2f} m", plan.position), plan_view, above, plan);
-    draw(fmt::format("Layer at z = {:.2f} m", front.position), front_view, south, front);
+    draw(fmt::format("Layer at y = {:.2f}", plan.position), plan_view, above, plan);
+    draw(fmt::format("Layer at z = {:.2f}", front.position), front_view, south, front);
 
     corner.y += line_height / 2;
     constexpr std::array<std::pair<ProbeState, const char*>, 4> keys{

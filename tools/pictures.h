@@ -14,7 +14,7 @@
 /// What `lightgrid draw` draws.
 namespace lightgrid {
 
-/// Of all probes, and the least distance between two of them along an axis, metres.
+/// Of all probes, and the least distance between two of them along an axis, level coordinates.
 [[nodiscard]] Box bounds_of(const Volume& volume);
 [[nodiscard]] double finest_spacing(const Volume& volume);
 
@@ -33,7 +33,7 @@ struct Slice {
     int axis = 1;
     double position = 0;  // of the plane
     Box box;              // of the volume
-    double scale = 1;     // pixels per metre
+    double scale = 1;     // pixels per unit of the level
 
     [[nodiscard]] int right() const { return axis == 0 ? 2 : 0; }
     [[nodiscard]] int up() const { return axis == 1 ? 2 : 1; }
@@ -50,9 +50,8 @@ struct SlicePictures {
     std::vector<Canvas> pictures;  // one each
     LogScale lux;
 };
-/// pixels_per_metre  of all pictures
-[[nodiscard]] SlicePictures picture_slices(const LitLevel& level, const Volume& volume, glm::dvec3 at,
-                                           double pixels_per_metre);
+/// scale  of all pictures
+[[nodiscard]] SlicePictures picture_slices(const LitLevel& level, const Volume& volume, glm::dvec3 at, double scale);
 
 /// Mean irradiance in false colours in a plan and two sections through `at`, on one logarithmic scale in lux.
 [[nodiscard]] Canvas draw_slices(const LitLevel& level, const Volume& volume, const PictureOptions& options);

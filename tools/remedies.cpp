@@ -39,7 +39,7 @@ double probe_count(const std::vector<Grid>& grids, double factor) {
 }  // namespace
 
 std::vector<Remedy> find_remedies(const BakePlan& plan, const BakeResult& result, const BakeOptions& options,
-                                  double gather_seconds) {
+                                  double gather_seconds, double metres_per_unit) {
     if (!result.error) return {};
     const ErrorReport& error = *result.error;
     const Target& target = options.target;
@@ -83,7 +83,7 @@ std::vector<Remedy> find_remedies(const BakePlan& plan, const BakeResult& result
     } else if (!is_refined) {
         double spacing = options.placement.spacing.value_or(std::numeric_limits<double>::infinity());
         for (const Grid& grid : result.volume.grids) {
-            spacing = std::min({spacing, grid.spacing.x, grid.spacing.y, grid.spacing.z});
+            spacing = std::min(spacing, metres_per_unit * std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z}));
         }
         const double probes = probe_count(result.volume.grids, 2);
         const double allowed = std::ceil(room_for_probes * probes);

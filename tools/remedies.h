@@ -22,9 +22,11 @@ struct Remedy {
 
 /// None where no error was measured.
 ///
-/// gather_seconds  what gathering took
+/// gather_seconds   what gathering took
+/// metres_per_unit  of the level
 [[nodiscard]] std::vector<Remedy> find_remedies(const BakePlan& plan, const BakeResult& result,
-                                                const BakeOptions& options, double gather_seconds);
+                                                const BakeOptions& options, double gather_seconds,
+                                                double metres_per_unit);
 
 /// What half of the error would cost by more samples alone.
 struct Halving {

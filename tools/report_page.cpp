@@ -37,8 +37,9 @@ std::string short_number(double value) {
     return fmt::format("{:.4g}", value);
 }
 
-std::string short_triple(const json& v, const char* between) {
-    return fmt::format("{}{}{}{}{}", short_number(v[0]), between, short_number(v[1]), between, short_number(v[2]));
+std::string short_triple(const json& v, const char* between, double factor = 1) {
+    const auto number = [&](int axis) { return short_number(factor * v[axis].get<double>()); };
+    return fmt::format("{}{}{}{}{}", number(0), between, number(1), between, number(2));
 }
 
 std::string count_text(double count) {
@@ -341,12 +342,12 @@ std::string slices_section(const json& report, const SlicePictures& slices) {
     }
     out += "</div>\n";
     if (worst.empty()) return out;
-    Table table{{"", "x, m", "y, m", "z, m", "relative error"}, {}};
+    Table table{{"", "x", "y", "z", "relative error"}, {}};
     for (std::size_t i = 0; i < worst.size(); ++i) {
         const json& p = worst[i]["position"];
-        const auto metres = [&](int axis) { return fmt::format("{:.3f}", p[axis].get<double>()); };
+        const auto place = [&](int axis) { return fmt::format("{:.3f}", p[axis].get<double>()); };
         table.rows.push_back(
-            {fmt::format("{}", i + 1), metres(0), metres(1), metres(2), percent_text(worst[i]["relative_error"])});
+            {fmt::format("{}", i + 1), place(0), place(1), place(2), percent_text(worst[i]["relative_error"])});
     }
     return out + fmt::format("<details open><summary>The worst points</summary>\n{}</details>\n", html(table)) +
            fmt::format(
@@ -387,16 +388,19 @@ std::string settings_section(const json& report) {
         list += fmt::format("<dt>{}</dt><dd>{}</dd>\n", escape(name), escape(text));
     };
     const json& scene = report["scene"];
+    const double metres_per_unit = scene["metres_per_unit"];
     entry("Level", fmt::format("{}: {} triangles in {} meshes, {} m", report["level"].get<std::string>(),
                                grouped(scene["triangles"].get<unsigned long long>()),
-                               grouped(scene["meshes"].get<unsigned long long>()), short_triple(scene["size"], " x ")));
+                               grouped(scene["meshes"].get<unsigned long long>()),
+                               short_triple(scene["size"], " x ", metres_per_unit)));
     entry("Light",
           fmt::format("{}; {} punctual lights and all emissive surfaces of the level",
                       report["environment"] == "none" ? "no environment" : report["environment"].get<std::string>(),
                       scene["punctual_lights"].get<int>()));
     for (const json& grid : report["grids"]) {
-        entry("Grid", fmt::format("{} probes, {} m apart, from {}", short_triple(grid["counts"], " x "),
-                                  short_triple(grid["spacing"], " x "), short_triple(grid["origin"], ", ")));
+        entry("Grid",
+              fmt::format("{} probes, {} m apart, from {}", short_triple(grid["counts"], " x "),
+                          short_triple(grid["spacing"], " x ", metres_per_unit), short_triple(grid["origin"], ", ")));
     }
     entry("Spacing", report["spacing"]);
     entry("Probes", probes_text(report));

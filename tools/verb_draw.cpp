@@ -57,7 +57,8 @@ void run_draw(const DrawOptions& options) {
     const Sampler sampler(volume);
     const double spacing = finest_spacing(volume);
     const std::vector<glm::vec3> sky = environment_sh(light.environment, volume.bands);
-    const SampleOptions look_up{.normal_bias = options.normal_bias.value_or(static_cast<float>(0.3 * spacing)),
+    const double normal_bias = options.normal_bias ? *options.normal_bias / scene.metres_per_unit : 0.3 * spacing;
+    const SampleOptions look_up{.normal_bias = static_cast<float>(normal_bias),
                                 .outside = Outside::fade,
                                 .fade_distance = static_cast<float>(4 * spacing),
                                 .environment = sky};

@@ -1,5 +1,6 @@
 #include "core/whole_file.h"
 #include "probes/volume_file.h"
+#include "tools/level_options.h"
 #include "tools/program.h"
 #include "tools/verbs.h"
 #include "tools/volume_summary.h"
@@ -41,9 +42,9 @@ void print_text(const std::string& path, std::size_t bytes, const Volume& volume
     }
     for (std::size_t g = 0; g < volume.grids.size(); ++g) {
         const Grid& grid = volume.grids[g];
-        line(fmt::format("grid {}", g).c_str(),
-             fmt::format("{} probes, spacing {} m, from {} to {}", by(grid.counts), by(grid.spacing),
-                         place(grid.origin), place(grid.position(grid.counts - 1))));
+        line(fmt::format("grid {}", g).c_str(), fmt::format("{} probes, spacing {} m, from {} to {}", by(grid.counts),
+                                                            by(metres_per_unit(volume) * grid.spacing),
+                                                            place(grid.origin), place(grid.position(grid.counts - 1))));
     }
     if (volume.has_cells()) line("bricks", fmt::format("{} of {}^3 probes", volume.bricks.size(), brick_size));
     line("probes", fmt::format("{}: {} valid ({} of them moved), {} filled, {} missing", summary.probes(),
@@ -94,6 +95,7 @@ void print_json(const std::string& path, std::size_t bytes, const Volume& volume
                       {"moved", summary.count(ProbeState::moved)},
                       {"filled", summary.count(ProbeState::filled)},
                       {"missing", summary.count(ProbeState::missing)}};
+    json["metres_per_unit"] = metres_per_unit(volume);
     json["bands"] = volume.bands;
     json["storage"] = {{"type", storage(volume)},
                        {"grey", is_grey(volume.coefficients)},

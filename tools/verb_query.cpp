@@ -4,6 +4,7 @@
 #include "probes/volume_file.h"
 #include "tools/csv.h"
 #include "tools/layer_options.h"
+#include "tools/level_options.h"
 #include "tools/verbs.h"
 
 #include <cmath>
@@ -70,9 +71,10 @@ void run_query(const QueryOptions& options) {
     std::vector<glm::vec3> environment(volume.sh_size(), glm::vec3(0));
     environment[0] = 2 * std::sqrt(std::numbers::pi_v<float>) * options.sky;  // L_0 of a uniform sky
     SampleOptions how;
-    how.normal_bias = options.normal_bias;
+    const auto unit = static_cast<float>(metres_per_unit(volume));
+    how.normal_bias = options.normal_bias / unit;
     how.outside = options.outside == "fade" ? Outside::fade : Outside::clamp;
-    how.fade_distance = options.fade_distance;
+    how.fade_distance = options.fade_distance / unit;
     how.environment = environment;
     const std::vector<glm::vec3> layers =
         options.layers.empty() ? std::vector<glm::vec3>() : layer_weights(options, volume);

@@ -19,9 +19,9 @@ void run_probes(const std::string& volume_path);
 
 struct QueryOptions {
     std::string volume;
-    std::string points;  // CSV; "-": standard input
-    bool sh = false;     // coefficients instead of irradiance
-    float normal_bias = 0;
+    std::string points;             // CSV; "-": standard input
+    bool sh = false;                // coefficients instead of irradiance
+    float normal_bias = 0;          // metres, as fade_distance
     std::string outside = "clamp";  // or "fade"
     float fade_distance = 1;
     std::string layers;   // weights of layers (layer_options.h); empty: the combined light

@@ -71,7 +71,7 @@ struct MotionBinding {
 
 /// How one flies by hand.
 struct Motion {
-    double speed = 1;  // metres per second
+    double speed = 1;  // per second, level coordinates
 };
 inline constexpr double run_factor = 4;       // with shift
 inline constexpr double wheel_factor = 1.25;  // of speed, per notch

@@ -41,6 +41,7 @@ struct Facts {
     std::size_t bytes = 0;     // of light: volumes in memory and tables on the card
     std::shared_ptr<const LitVolume> volume;
     VolumeSummary summary;         // of it
+    double metres_per_unit = 1;    // of the level's lengths
     std::string baking;            // what a bake does now; empty: none
     std::string object_reference;  // how far the reference at the object is; empty: not wanted
     std::optional<ClickedLight> clicked;

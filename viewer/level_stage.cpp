@@ -246,6 +246,7 @@ std::optional<ClickedLight> LevelStage::clicked_light() const {
 void LevelStage::complete(Facts& facts) const {
     facts.volume = volume_;
     facts.summary = summary_;
+    facts.metres_per_unit = scene_.metres_per_unit;
     if (bake_) {
         const BackgroundBake::Status status = bake_->status();
         if (status.working && status.samples == 0) facts.baking = "looks for places of probes";

@@ -65,10 +65,10 @@ std::string setting(const Volume& volume, const char* name) {
     return found == volume.settings.end() ? "" : found->second;
 }
 
-void lay_out_volume(const Volume& volume, const VolumeSummary& summary) {
+void lay_out_volume(const Volume& volume, const VolumeSummary& summary, double metres_per_unit) {
     for (const Grid& grid : volume.grids) {
         number("grid", fmt::format("{} x {} x {}, {:.3g} m", grid.counts.x, grid.counts.y, grid.counts.z,
-                                   std::max({grid.spacing.x, grid.spacing.y, grid.spacing.z})));
+                                   metres_per_unit * std::max({grid.spacing.x, grid.spacing.y, grid.spacing.z})));
     }
     number("probes", fmt::format("{}: {} valid, {} moved", summary.probes(), summary.count(ProbeState::valid),
                                  summary.count(ProbeState::moved)));
@@ -84,7 +84,9 @@ void lay_out_statistics(const Facts& facts) {
     number("look-ups", fmt::format("{} a frame", facts.look_ups));
     number("light", bytes_in_words(facts.bytes));
     if (!facts.baking.empty()) number("bakes", facts.baking);
-    if (facts.volume != nullptr && !facts.environment) lay_out_volume(facts.volume->volume, facts.summary);
+    if (facts.volume != nullptr && !facts.environment) {
+        lay_out_volume(facts.volume->volume, facts.summary, facts.metres_per_unit);
+    }
 }
 
 /// The panel while it is laid out.
@@ -260,15 +262,18 @@ void lay_out_object(const Panel& panel) {
     panel.action_button("None", Action::no_object);
     bool follows = session.object_mode == ObjectMode::follows;
     if (ImGui::Checkbox(with_key("follows the camera", Action::follow).c_str(), &follows)) panel.do_it(Action::follow);
-    ImGui::SliderFloat("size", &session.object.size, session.object.size / 2, session.object.size * 2, "%.3g m",
-                       ImGuiSliderFlags_Logarithmic);
+    const auto metres_per_unit = static_cast<float>(panel.facts.metres_per_unit);
+    float size = session.object.size * metres_per_unit;
+    if (ImGui::SliderFloat("size", &size, size / 2, size * 2, "%.3g m", ImGuiSliderFlags_Logarithmic)) {
+        session.object.size = size / metres_per_unit;
+    }
 }
 
 void lay_out_flight(const Panel& panel) {
     Session& session = panel.session;
     const glm::dvec3 eye = session.pose.eye;
     number("eye", fmt::format("{:.2f} {:.2f} {:.2f}", eye.x, eye.y, eye.z));
-    number("speed", fmt::format("{:.3g} m/s (wheel)", session.motion.speed));
+    number("speed", fmt::format("{:.3g} m/s (wheel)", session.motion.speed * panel.facts.metres_per_unit));
     panel.action_button(session.flown_s ? "Stop" : "Fly", Action::fly, 0.5F);
     ImGui::SameLine();
     panel.action_button(session.recorded ? "Save" : "Record", Action::record);

@@ -127,6 +127,23 @@ TEST_F(Cli, QueryMovesPointsByTheNormalBias) {
     EXPECT_NEAR(csv("query hall.probes.exr --points normals.csv --normal-bias -0.5").number(0, 6), M_PI * 2.5, 1e-5);
 }
 
+TEST_F(Cli, LengthsInMetresHeedTheVolumesScale) {
+    Volume volume = linear_volume();
+    volume.settings["scale"] = "0.5";
+    save_volume(volume, folder() / "small.probes.exr");
+    write("normals.csv", "x,y,z,nx,ny,nz\n2,1,1,1,0,0\n-1,1,1,1,0,0\n");
+    const CsvTable moved = csv("query small.probes.exr --points normals.csv --normal-bias 0.5");
+    EXPECT_EQ(moved.number(0, moved.column("x")), 2) << "coordinates are the file's";
+    EXPECT_NEAR(moved.number(0, moved.column("r")), M_PI * 4, 1e-5) << "0.5 m are a unit";
+    const CsvTable sky =
+        csv("query small.probes.exr --points normals.csv --outside fade --fade-distance 1 --sky 3,0,0");
+    EXPECT_NEAR(sky.number(1, sky.column("r")), M_PI * 2, 1e-5) << "half way from 1 to 3";
+    EXPECT_NE(run("info small.probes.exr").out.find("spacing 0.5 x 0.5 x 0.5 m, from (0, 0, 0) to (4, 2, 2)"),
+              std::string::npos);
+    EXPECT_EQ(json("info small.probes.exr --json")["metres_per_unit"], 0.5);
+    EXPECT_EQ(json("info hall.probes.exr --json")["metres_per_unit"], 1);
+}
+
 TEST_F(Cli, QueryDerings) {
     Volume volume = make_volume({{{0, 0, 0}, {1, 1, 1}, {2, 2, 2}}}, 3);
     const std::vector<glm::vec3> lamp = delta_light_sh(3, {0, 1, 0}, glm::vec3(1));

@@ -43,6 +43,20 @@ class LevelBake : public ProgramTest {
                                     2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5});
     }
 
+    /// A floor of 20 m with a block of 4 m on it.
+    ///
+    /// unit  in so many units of the file is a metre
+    void write_yard(const std::string& name, float unit) const {
+        std::vector<glm::vec3> corners{{-10, 0, 10}, {10, 0, 10}, {10, 0, -10}, {-10, 0, -10}};
+        for (int i = 0; i < 8; ++i) corners.emplace_back(i & 1 ? 4 : 0, i & 2 ? 4 : 0, i & 4 ? 3 : -1);
+        std::vector<std::uint32_t> triangles{0, 1, 2, 0, 2, 3};
+        for (const std::uint32_t corner :
+             {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5})
+            triangles.push_back(4 + corner);
+        for (glm::vec3& corner : corners) corner *= unit;
+        write_level(name, corners, triangles);
+    }
+
     /// A closed room of 6 x 3 x 6 m with a lamp of 100 cd.
     ///
     /// albedo  none: without a material
@@ -258,6 +272,53 @@ TEST_F(LevelBake, AnOpenFloorHasHeadroom) {
     EXPECT_NEAR(top(""), 0.5, 1e-4) << "a quarter of the width";
     EXPECT_NEAR(top("--spacing 0.5"), 0.5, 1e-4);
     EXPECT_NEAR(top("--volume=-1,0,-1,1,0.25,1"), 0.25, 1e-6) << "a box that was asked for";
+}
+
+TEST_F(LevelBake, OfALevelInOtherUnitsTheSameProbesGetTheSameLight) {
+    // A power of two, so that rounding is the same, too.
+    write_yard("metres.glb", 1);
+    write_yard("small.glb", 128);
+    const std::string bake = " --sky 1,2,3 --spacing 1.25 --samples 64 --seed 3 --verbose --report-json ";
+    const Result metres = run("metres.glb -o metres.exr" + bake + "metres.json");
+    ASSERT_EQ(metres.status, 0) << metres.err;
+    const Result small = run("small.glb --scale 0.0078125 -o small.exr" + bake + "small.json");
+    ASSERT_EQ(small.status, 0) << small.err;
+    const Volume wanted = load_volume(folder() / "metres.exr");
+    const Volume volume = load_volume(folder() / "small.exr");
+    ASSERT_EQ(volume.grids.size(), wanted.grids.size());
+    for (std::size_t i = 0; i < wanted.grids.size(); ++i) {
+        EXPECT_EQ(volume.grids[i].counts, wanted.grids[i].counts);
+        EXPECT_EQ(volume.grids[i].origin, 128.0 * wanted.grids[i].origin);
+        EXPECT_EQ(volume.grids[i].spacing, 128.0 * wanted.grids[i].spacing);
+    }
+    EXPECT_EQ(volume.states, wanted.states);
+    EXPECT_EQ(volume.coefficients, wanted.coefficients);
+    EXPECT_EQ(volume.settings.at("scale"), "0.0078125");
+    EXPECT_EQ(wanted.settings.count("scale"), 0U);
+    const nlohmann::json report = nlohmann::json::parse(bytes("small.json"));
+    EXPECT_EQ(report.at("scene").at("metres_per_unit"), 0.0078125);
+    EXPECT_EQ(report.at("scene").at("size"), nlohmann::json({2560, 512, 2560}));
+    const nlohmann::json wanted_report = nlohmann::json::parse(bytes("metres.json"));
+    EXPECT_EQ(report.at("spacing"), wanted_report.at("spacing"));
+    EXPECT_EQ(report.at("remedies").at(2).at("option"), wanted_report.at("remedies").at(2).at("option"));
+    const auto lengths = [](const std::string& said) {
+        std::vector<std::string> lines;
+        for (const char* name : {"level  ", "grid  ", "spacing  ", "cache  "}) {
+            const std::size_t line = said.rfind(std::string("\n") + name);
+            if (line != std::string::npos) lines.push_back(said.substr(line + 1, said.find('\n', line + 1) - line));
+        }
+        lines.at(0).erase(0, lines.at(0).find(':'));
+        return lines;
+    };
+    EXPECT_EQ(lengths(small.err), lengths(metres.err));
+    EXPECT_EQ(lengths(metres.err).size(), 4U) << metres.err;
+
+    ASSERT_EQ(
+        run("small.glb --quiet -o unscaled.exr --max-probes 100000 --spacing 160 --sky 1,2,3 --samples 64").status, 0);
+    const Grid unscaled = load_volume(folder() / "unscaled.exr").grids.at(0);
+    EXPECT_LT(unscaled.position(unscaled.counts - 1).y, 515) << "headroom of 2 units above the block";
+    expect_refused("small.glb --scale 0 --sky 1,1,1", "--scale: 0 is not a finite number from 1e-06 to 1000000");
+    expect_refused("--scale 0.01 --sky 1,1,1", "no LEVEL that --scale could be for");
 }
 
 TEST_F(LevelBake, LeavesNothingHalfWrittenWhenItIsStopped) {

@@ -96,6 +96,23 @@ TEST(Bake, AnOpenFloorLightsWhatStandsOnIt) {
     EXPECT_NEAR(Sampler(volume).irradiance({0, 1.8, 0}, {0, -1, 0}).g, exact, 0.03 * exact);
 }
 
+TEST(Bake, HeadroomIsInMetresWhateverTheLevelsUnit) {
+    const auto top = [](float size, double metres_per_unit) {
+        Scene scene;
+        scene.metres_per_unit = metres_per_unit;
+        add_quad(scene, add_grey(scene, 0.5F), {-size, 0, size}, {2 * size, 0, 0}, {0, 0, -2 * size});
+        const TracedLevel level(std::move(scene), Environment::uniform(glm::vec3(1)));
+        BakeOptions options;
+        options.target.samples = 64;
+        const Grid grid = plan_bake(level.paths, options).volume.grids.at(0);
+        return grid.position(grid.counts - 1).y;
+    };
+    EXPECT_NEAR(top(10, 1), 2, 1e-4);
+    EXPECT_NEAR(top(1000, 0.01), 200, 1e-2);
+    EXPECT_NEAR(top(1000, 1), 2, 1e-2);
+    EXPECT_NEAR(top(100, 0.01), 50, 1e-3) << "a quarter of the width";
+}
+
 TEST(Bake, SaysWhyItIsSlowAndHowToGetAFirstLook) {
     BakePlan plan;
     plan.seconds_estimate = 599;

@@ -47,6 +47,22 @@ TEST(LevelOptions, AlbedoAndTexturesAreTakenFromAVolumeToo) {
     EXPECT_EQ(load_options({}).missing_textures, MissingTextures::warn);
 }
 
+TEST(LevelOptions, TheScaleIsThatOfTheVolumesCoordinates) {
+    Volume volume;
+    EXPECT_EQ(metres_per_unit(volume), 1);
+    record(parsed({"--scale", "0.01"}), volume);
+    EXPECT_EQ(metres_per_unit(volume), 0.01);
+    EXPECT_EQ(load_options(with_recorded(parsed({}), volume)).metres_per_unit, 0.01);
+    EXPECT_EQ(load_options(with_recorded(parsed({"--scale", "1"}), volume)).metres_per_unit, 1);
+    for (const char* wrong : {"0", "-1", "nan", "inf", "cm", "1e-9"})
+        EXPECT_THROW(static_cast<void>(parsed({"--scale", wrong})), CLI::Error) << wrong;
+    for (const char* wrong : {"0", "-1", "1e300", "cm", "[1]", "\"1\""}) {
+        volume.settings["scale"] = wrong;
+        EXPECT_THROW(static_cast<void>(metres_per_unit(volume)), Error) << wrong;
+        EXPECT_THROW(static_cast<void>(with_recorded({}, volume)), Error) << wrong;
+    }
+}
+
 TEST(LevelOptions, SettingsThatDoNotReadAreRefusedByName) {
     for (const char* wrong : {"dome", "{}", "[1]", "[\"dome\""}) {
         Volume volume;

@@ -47,7 +47,10 @@ class PanelTest : public testing::Test {
                      ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove);
         if (std::exchange(forget_sections_, false)) ImGui::GetStateStorage()->Clear();
         Requests requests;
+        ImGui::LogToBuffer(0);
         lay_out_panel(session_, facts_, text_, requests);
+        words_ = ImGui::GetCurrentContext()->LogBuffer.c_str();
+        ImGui::LogFinish();
         const ImGuiWindow* window = ImGui::GetCurrentWindow();
         content_ = window->ContentSize;
         room_ = window->ContentRegionRect.GetSize();
@@ -72,6 +75,7 @@ class PanelTest : public testing::Test {
     ImVec2 content_{0, 0};
     ImVec2 room_{0, 0};
     bool forget_sections_ = false;  // which are open
+    std::string words_;             // all that was written in the last frame
 };
 
 TEST_F(PanelTest, NothingIsWiderThanThePanel) {
@@ -87,6 +91,17 @@ TEST_F(PanelTest, NothingIsWiderThanThePanel) {
         EXPECT_GT(content_.x, 0.6F * panel_width);
         EXPECT_LE(content_.x, room_.x);
     }
+}
+
+TEST_F(PanelTest, LengthsAreInMetresWhateverTheLevelsUnit) {
+    session_.motion.speed = 150;
+    session_.object.size = 25;
+    session_.pose.eye = {100, 160, 0};
+    facts_.metres_per_unit = 0.01;
+    static_cast<void>(lay_out({800, 3000}));
+    for (const char* length : {"28 x 8 x 23, 0.01 m", "1.5 m/s", "0.25 m", "100.00 160.00 0.00"})
+        EXPECT_NE(words_.find(length), std::string::npos) << length << "\n" << words_;
+    EXPECT_EQ(session_.object.size, 25);
 }
 
 /// Clicks at every few pixels reach every control of the light and its environment, and none leads to where settings must

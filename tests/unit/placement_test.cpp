@@ -577,6 +577,47 @@ TEST(Placement, AFlatBoxGetsProbesOnBothSides) {
     EXPECT_EQ(grid.spacing.y, 1);
 }
 
+TEST(Placement, MetresAreThoseOfTheLevelsUnits) {
+    Scene metres;
+    metres.bounds = box_of({-1, 0, -2}, {5, 3, 2.05});
+    Scene centimetres;
+    centimetres.metres_per_unit = 0.01;
+    centimetres.bounds = box_of(100.0 * metres.bounds.min, 100.0 * metres.bounds.max);
+    const auto expect_the_same = [&](const PlacementOptions& options, Box within = {}) {
+        const GridChoice wanted = choose_grids(metres, options, within);
+        if (!within.empty()) within = box_of(100.0 * within.min, 100.0 * within.max);
+        const GridChoice choice = choose_grids(centimetres, options, within);
+        EXPECT_EQ(choice.why, wanted.why);
+        ASSERT_EQ(choice.grids.size(), 1U);
+        EXPECT_EQ(choice.grids[0].counts, wanted.grids[0].counts);
+        EXPECT_LT(glm::distance(choice.grids[0].origin, 100.0 * wanted.grids[0].origin), 1e-9);
+        EXPECT_LT(glm::distance(choice.grids[0].spacing, 100.0 * wanted.grids[0].spacing), 1e-9);
+    };
+    PlacementOptions options;
+    expect_the_same(options);
+    expect_the_same(options, box_of({-0.75, 0, -2}, {5, 4.5, 2}));
+    options.max_probes = 100;
+    expect_the_same(options);
+    options.spacing = 2;
+    expect_the_same(options);
+    options.spacing = 0.1;
+    const auto refusal = [&](const Scene& scene) {
+        try {
+            static_cast<void>(choose_grids(scene, options));
+        } catch (const Error& error) {
+            return std::string(error.what());
+        }
+        return std::string();
+    };
+    EXPECT_NE(refusal(metres), "");
+    EXPECT_EQ(refusal(centimetres), refusal(metres));
+
+    metres.bounds = centimetres.bounds = box_of(glm::dvec3(3), glm::dvec3(3));
+    options = {};
+    EXPECT_EQ(choose_grids(metres, options).grids[0].spacing, glm::dvec3(1));
+    EXPECT_EQ(choose_grids(centimetres, options).grids[0].spacing, glm::dvec3(100)) << "a metre about a point";
+}
+
 TEST(Placement, RefusesMoreProbesThanAllowedAndSaysWhatWouldDo) {
     Scene scene;
     scene.bounds = box_of(glm::dvec3(0), glm::dvec3(100, 1, 37));

@@ -36,7 +36,8 @@ json report_of(const std::string& text) {
     report["machine"] = {{"processor", text}, {"logical_processors", 2},     {"memory_bytes", 1 << 30},
                          {"system", text},    {"built_with", text},          {"libraries", text},
                          {"threads", 2},      {"peak_memory_bytes", 1 << 20}};
-    report["scene"] = {{"triangles", 12}, {"meshes", 1}, {"materials", 1}, {"punctual_lights", 0}, {"size", {1, 2, 3}}};
+    report["scene"] = {{"triangles", 12},      {"meshes", 1},       {"materials", 1},
+                       {"punctual_lights", 0}, {"size", {1, 2, 3}}, {"metres_per_unit", 1}};
     report["grids"] = {{{"origin", {0, 0, 0}}, {"spacing", {1, 1, 1}}, {"counts", {2, 3, 4}}}};
     report["probes"] = {{"gathered", 24}, {"valid", 20}, {"moved", 4}, {"invalid", 0}, {"filled", 0}};
     report["error"] = part(0.02);
