@@ -1,6 +1,7 @@
 #include "viewer/free_space.h"
 
 #include "core/parallel.h"
+#include "tools/ground.h"
 
 #include <algorithm>
 #include <array>
@@ -106,11 +107,29 @@ float clearance_at(const Tracer& tracer, glm::vec3 point, float most) {
 
 namespace {
 
+/// Free space without ground below is left out where at least this share of it has some: below and beside a level, and
+/// over its edges, nobody is. In a level of things that float in the void all of it stays.
+constexpr double enough_ground = 0.02;
+
 /// What is round each point of a lattice.
 struct Survey {
-    std::vector<float> clearance;
+    std::vector<float> clearance;     // 0: not to be flown through
     std::vector<std::uint32_t> open;  // bit k: the line to neighbour k is clear
 };
+
+void leave_out_groundless(const Tracer& tracer, const Lattice& lattice, float wanted, std::vector<float>& clearance) {
+    std::vector<char> has_ground(lattice.size());
+    for_each_index(lattice.size(), [&](std::size_t i) {
+        has_ground[i] = clearance[i] >= wanted && height_above_ground(tracer, lattice.position(i)) ? 1 : 0;
+    });
+    const auto with = static_cast<double>(std::count(has_ground.begin(), has_ground.end(), 1));
+    const auto all =
+        static_cast<double>(std::count_if(clearance.begin(), clearance.end(), [&](float c) { return c >= wanted; }));
+    if (with < enough_ground * all) return;
+    for (std::size_t i = 0; i < lattice.size(); ++i) {
+        if (has_ground[i] == 0) clearance[i] = 0;
+    }
+}
 
 Survey look_around(const Tracer& tracer, const Lattice& lattice, float least) {
     Survey survey{std::vector<float>(lattice.size()), std::vector<std::uint32_t>(lattice.size())};
@@ -118,6 +137,7 @@ Survey look_around(const Tracer& tracer, const Lattice& lattice, float least) {
     const auto wanted = static_cast<float>(least * lattice.spacing);
     for_each_index(lattice.size(),
                    [&](std::size_t i) { survey.clearance[i] = clearance_at(tracer, lattice.position(i), most); });
+    leave_out_groundless(tracer, lattice, wanted, survey.clearance);
     for_each_index(lattice.size(), [&](std::size_t i) {
         if (survey.clearance[i] < wanted) return;
         for (std::size_t k = 0; k < neighbours().size(); ++k) {

@@ -12,7 +12,8 @@
 namespace lightgrid {
 
 /// Where one can fly: points of a lattice over a volume that its valid probes see, straight or round corners, and the
-/// straight lines between neighbours that meet nothing. So a point is free because a probe is, whatever the winding.
+/// straight lines between neighbours that meet nothing. So a point is free because a probe is, whatever the winding. There
+/// is ground below every point, so that nobody flies under a level or beside it; but not in a level that has none.
 struct FreeSpace {
     struct Link {
         std::uint32_t to = 0;  // point

@@ -271,6 +271,31 @@ TEST(DefaultFlight, IsTheSameEveryTime) {
     }
 }
 
+/// A plate with a parapet of 1 m round it and two blocks on it, over a void that the volume reaches far into: below the
+/// plate there is four times as much free space as above.
+TEST(DefaultFlight, StaysAboveTheGroundOfALevelOverAVoid) {
+    Scene scene;
+    const int stone = add_grey(scene, 0.5F);
+    add_box(scene, stone, {-6, -0.5F, -6}, {6, 0, 6}, Facing::outward);
+    add_box(scene, stone, {-6, 0, -6}, {6, 1, -5.5F}, Facing::outward);
+    add_box(scene, stone, {-6, 0, 5.5F}, {6, 1, 6}, Facing::outward);
+    add_box(scene, stone, {-3, 0, -3}, {-1, 2, 0}, Facing::outward);
+    add_box(scene, stone, {-6, -6, -6}, {-5, -0.5F, -5}, Facing::outward);  // a pier, which there is light on
+    Volume volume = make_volume({{{-7.75, -11.75, -7.75}, {1, 1, 1}, {17, 16, 17}}}, 1);
+    for (std::size_t slot = 0; slot < volume.slots(); ++slot) {
+        if (volume.states[slot] != ProbeState::absent) volume.coefficients[slot] = glm::vec3(1);
+    }
+    const Tracer tracer(scene);
+    const LitVolume lit(volume);
+    const Flight flight = make_default_flight(tracer, lit).flight;
+    double passed = 0;
+    for (std::size_t i = 0; i < flight.keys.size(); ++i) {
+        EXPECT_GT(flight.keys[i].eye.y, 0) << "key " << i;
+        if (i > 0) passed += glm::distance(flight.keys[i].eye, flight.keys[i - 1].eye);
+    }
+    EXPECT_GT(passed, 5) << "it flies";
+}
+
 TEST(DefaultFlight, TurnsInPlaceWhereThereIsNoRoom) {
     TwoRooms rooms;
     for (std::size_t slot = 0; slot < rooms.volume.slots(); ++slot) {

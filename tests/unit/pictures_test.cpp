@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "core/sh.h"
+#include "tests/scene_builder.h"
 #include "tools/error_chart.h"
 #include "tools/lettering.h"
 #include "tools/viewpoint.h"
@@ -88,7 +89,27 @@ TEST(Viewpoint, LooksAlongACorridor) {
     for (std::size_t slot = 0; slot < volume.slots(); ++slot) volume.coefficients[9 * slot] = glm::vec3(1);
     const Camera camera = find_viewpoint(Tracer(scene), volume, 60);
     EXPECT_GT(std::abs(camera.forward.x), 0.8);
-    EXPECT_GT(std::abs(camera.eye.x), 5) << "it stands at one end";
+    EXPECT_LT(camera.forward.x * camera.eye.x, -3 * 0.8) << "it stands aside of the middle, and looks the longer way";
+}
+
+TEST(Viewpoint, StandsInTheRoomNotBelowItOrInTheOpen) {
+    // A room of 4 x 3 x 4 m with a way out, on a plate of 16 m, over a void that the volume reaches into.
+    Scene scene;
+    const int stone = add_grey(scene, 0.5F);
+    add_box(scene, stone, {-8, -0.5F, -8}, {8, 0, 8}, Facing::outward);
+    add_box(scene, stone, {-2.2F, 0, -2.2F}, {-2, 3, 2.2F}, Facing::outward);
+    add_box(scene, stone, {2, 0, -2.2F}, {2.2F, 3, 2.2F}, Facing::outward);
+    add_box(scene, stone, {-2.2F, 0, -2.2F}, {2.2F, 3, -2}, Facing::outward);
+    add_box(scene, stone, {-2.2F, 3, -2.2F}, {2.2F, 3.2F, 2.2F}, Facing::outward);
+    Volume volume = make_volume({{{-7.75, -7.75, -7.75}, {0.5, 0.5, 0.5}, {32, 26, 32}}}, 1);
+    for (glm::vec3& c : volume.coefficients) c = glm::vec3(1);
+    for (const auto& [unit, height] : {std::pair(1.0, 1.5), std::pair(2.0, 0.8)}) {  // half of the headroom; 1.6 m
+        scene.metres_per_unit = unit;
+        const Camera camera = find_viewpoint(Tracer(scene), volume, 60);
+        EXPECT_LT(std::abs(camera.eye.x), 2) << unit;
+        EXPECT_LT(std::abs(camera.eye.z), 2) << unit;
+        EXPECT_NEAR(camera.eye.y, height, 1e-3) << unit;
+    }
 }
 
 TEST(LitLevel, ShowsAlbedoTimesIrradianceOverPi) {
