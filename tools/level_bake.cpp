@@ -11,6 +11,7 @@
 #include "probes/kept_transport.h"
 #include "probes/layers.h"
 #include "probes/shut_out.h"
+#include "probes/unit_hint.h"
 #include "probes/volume_file.h"
 #include "tools/bake_report.h"
 #include "tools/csv.h"
@@ -328,6 +329,12 @@ std::optional<KeptTransport> find_transport(const Call& call, std::uint64_t fing
     return {};
 }
 
+std::string unit_hint_text(const UnitHint& hint) {
+    return fmt::format(
+        "the unit of this level may not be the metre: {}. If it is the {}: --scale {:g}; if the metre: --scale 1",
+        hint.evidence, hint.unit, hint.metres_per_unit);
+}
+
 void print_notices(const Messages& messages, const std::vector<std::string>& notices) {
     constexpr std::size_t most = 6;  // so that a bake of a level full of oddities still fits on a screen
     const std::size_t told = messages.verbose() || notices.size() <= most ? notices.size() : most - 1;
@@ -386,6 +393,9 @@ int bake(const Call& call) {
     stages.push_back({"build", watch.lap(), 0});
     print_notices(messages, light.notices);
     print_notices(messages, scene.notices);
+    if (!call.level_options.scale) {
+        if (const std::optional<UnitHint> hint = find_unit_hint(tracer)) messages.notice(unit_hint_text(*hint));
+    }
     if (!has_light(paths) && choice.sky) {
         messages.notice("there is no light but that of skies to come: the combined light will be black");
     } else if (!has_light(paths)) {

@@ -60,10 +60,11 @@ class LevelBake : public ProgramTest {
     /// A closed room of 6 x 3 x 6 m with a lamp of 100 cd.
     ///
     /// albedo  none: without a material
-    void write_room(const std::string& name, std::optional<double> albedo) const {
+    /// unit    in so many units of the file is a metre
+    void write_room(const std::string& name, std::optional<double> albedo, float unit = 1) const {
         GltfBuilder gltf;
         std::vector<glm::vec3> corners;
-        for (int i = 0; i < 8; ++i) corners.emplace_back(i & 1 ? 3 : -3, i & 2 ? 3 : 0, i & 4 ? 3 : -3);
+        for (int i = 0; i < 8; ++i) corners.push_back(unit * glm::vec3(i & 1 ? 3 : -3, i & 2 ? 3 : 0, i & 4 ? 3 : -3));
         nlohmann::json primitive = {{"attributes", {{"POSITION", gltf.vec3s(corners)}}},
                                     {"indices", gltf.indices({0, 1, 2, 1, 3, 2, 4, 6, 5, 5, 6, 7, 0, 4, 1, 1, 4, 5,
                                                               2, 3, 6, 3, 7, 6, 0, 2, 4, 2, 6, 4, 1, 5, 3, 3, 5, 7})}};
@@ -74,8 +75,8 @@ class LevelBake : public ProgramTest {
         gltf.node({{"mesh", gltf.mesh(primitive)}});
         gltf.use("KHR_lights_punctual");
         gltf.json["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "point"}, {"intensity", 100}}};
-        gltf.json["scenes"][0]["nodes"].push_back(
-            gltf.node({{"translation", {0, 2.5, 0}}, {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}}));
+        gltf.json["scenes"][0]["nodes"].push_back(gltf.node(
+            {{"translation", {0, 2.5F * unit, 0}}, {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}}));
         write(name, gltf.glb());
     }
 
@@ -319,6 +320,25 @@ TEST_F(LevelBake, OfALevelInOtherUnitsTheSameProbesGetTheSameLight) {
     EXPECT_LT(unscaled.position(unscaled.counts - 1).y, 515) << "headroom of 2 units above the block";
     expect_refused("small.glb --scale 0 --sky 1,1,1", "--scale: 0 is not a finite number from 1e-06 to 1000000");
     expect_refused("--scale 0.01 --sky 1,1,1", "no LEVEL that --scale could be for");
+}
+
+TEST_F(LevelBake, ALevelInCentimetresGetsAHintAndNothingElse) {
+    write_room("metres.glb", 0.5);
+    write_room("centimetres.glb", 0.5, 100);
+    const std::string bake = " --max-probes 60 --samples 64 -o v.exr ";
+    const auto said = [&](const std::string& call) {
+        const Result result = run(call + bake);
+        EXPECT_EQ(result.status, 0) << result.err;
+        return result.err;
+    };
+    const std::string hint =
+        "the unit of this level may not be the metre: its rooms would be 300 m high. If it is the centimetre: --scale "
+        "0.01; if the metre: --scale 1";
+    EXPECT_NE(said("centimetres.glb").find(hint), std::string::npos);
+    EXPECT_EQ(load_volume(folder() / "v.exr").settings.count("scale"), 0U) << "it is only said";
+    EXPECT_EQ(said("centimetres.glb --scale 0.01").find("may not be"), std::string::npos);
+    EXPECT_EQ(said("centimetres.glb --scale 1").find("may not be"), std::string::npos);
+    EXPECT_EQ(said("metres.glb").find("may not be"), std::string::npos);
 }
 
 TEST_F(LevelBake, LeavesNothingHalfWrittenWhenItIsStopped) {
