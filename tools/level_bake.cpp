@@ -100,11 +100,12 @@ void add_options(CLI::App& app, Call& call) {
     add_light_options(app, call.light);
 
     const char* where = "Where";
-    app.add_option("--spacing", call.spacing, "Metres between probes at most (default: chosen, and said why)")
+    app.add_option("--spacing", call.spacing,
+                   "Metres between probes at most, of which --scale makes units (default: chosen, and said why)")
         ->type_name("M")
         ->check(checked(parse_spacing))
         ->group(where);
-    app.add_option("--volume", call.volumes, "A box to fill with probes; may be repeated")
+    app.add_option("--volume", call.volumes, "A box to fill with probes, in the file's units; may be repeated")
         ->type_name("x0,y0,z0,x1,y1,z1")
         ->expected(1)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)

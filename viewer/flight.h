@@ -45,7 +45,7 @@ struct FlightMoment {
 [[nodiscard]] int frame_count(const Flight& flight);
 
 /// JSON: {"frames_per_second": 30, "keys": [{"time_s": 0, "eye": [x, y, z], "look_at": [x, y, z] or "yaw_deg": 0,
-/// "pitch_deg": 0, "object": [x, y, z]}, ...]}. Level coordinates, metres; frames_per_second and object may be missing.
+/// "pitch_deg": 0, "object": [x, y, z]}, ...]}. Level coordinates; frames_per_second and object may be missing.
 ///
 /// Throws Error that names the file, and the key by its number from 0: no JSON, no keys, a value of the wrong kind or
 /// not finite, times that do not rise, a name that is not known, an object in some keys but not in others.

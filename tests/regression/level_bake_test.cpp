@@ -313,6 +313,13 @@ TEST_F(LevelBake, OfALevelInOtherUnitsTheSameProbesGetTheSameLight) {
     };
     EXPECT_EQ(lengths(small.err), lengths(metres.err));
     EXPECT_EQ(lengths(metres.err).size(), 4U) << metres.err;
+    const auto view = [&](const std::string& name) {
+        const Result drawn = shell(fmt::format("{} draw {}.glb {}.exr -o {} --width 320 --normal-bias 0.5",
+                                               LIGHTGRID_PROGRAM, name, name, name));
+        EXPECT_EQ(drawn.status, 0) << drawn.err;
+        return bytes(name + "/view.png");
+    };
+    EXPECT_EQ(view("small"), view("metres")) << "eyes at 1.6 m, and a bias of 0.5 m";
 
     ASSERT_EQ(
         run("small.glb --quiet -o unscaled.exr --max-probes 100000 --spacing 160 --sky 1,2,3 --samples 64").status, 0);
