@@ -15,6 +15,7 @@ namespace {
 constexpr std::array bindings{
     KeyBinding{Key::f1, Action::help, "F1", "what keys and mouse do"},
     KeyBinding{Key::tab, Action::panel, "Tab", "the panel with all controls, or the picture alone"},
+    KeyBinding{Key::space, Action::next_worst, "Space", "go to where the volume is worst, then to the next such place"},
     KeyBinding{Key::p, Action::fly, "P", "fly along the path, or stop"},
     KeyBinding{Key::r, Action::record, "R", "record a path, or end and save it"},
     KeyBinding{Key::f12, Action::screenshot, "F12", "save the picture (PNG) and its light (EXR)"},
@@ -33,7 +34,8 @@ constexpr std::array bindings{
     KeyBinding{Key::h, Action::half, "H", "coefficients rounded to half"},
     KeyBinding{Key::j, Action::contact_shadow, "J", "contact shadow of the object"},
     KeyBinding{Key::k, Action::self_shadowing, "K", "what the object hides and reflects of itself"},
-    KeyBinding{Key::v, Action::level_colors, "V", "false colours on the level: none, irradiance, standard error"},
+    KeyBinding{Key::v, Action::level_colors, "V",
+               "false colours on the level: none, irradiance, standard error, off from the path tracer"},
     KeyBinding{Key::z, Action::probes, "Z", "probes: none, in sight, through walls"},
     KeyBinding{Key::c, Action::cell, "C", "the cell that the object is in, with its weights"},
     KeyBinding{Key::y, Action::crowd, "Y", "a thousand objects, each lit by a look-up of its own"},
@@ -154,7 +156,7 @@ bool apply(Action action, Settings& settings, int bands) {
             settings.self_shadowing = !settings.self_shadowing;
             return true;
         case Action::level_colors:
-            settings.level_colors = next(settings.level_colors, 3);
+            settings.level_colors = next(settings.level_colors, level_colors_count);
             return true;
         case Action::probes:
             settings.probes = next(settings.probes, 3);

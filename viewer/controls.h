@@ -18,6 +18,7 @@ enum class Action : std::uint8_t {
     help,
     panel,
     screenshot,
+    next_worst,
     fly,
     record,
     sphere,

@@ -44,6 +44,7 @@ struct Facts {
     double metres_per_unit = 1;    // of the level's lengths
     std::string baking;            // what a bake does now; empty: none
     std::string object_reference;  // how far the reference at the object is; empty: not wanted
+    std::string map;               // how much of the map of differences is known; empty: not wanted
     std::optional<ClickedLight> clicked;
     std::optional<EnvironmentFacts> environment;
 };

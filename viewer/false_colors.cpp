@@ -19,11 +19,15 @@ LightScales scales_of(std::span<const VertexLight> light) {
     return {scale_of(std::move(irradiance)), scale_of(std::move(standard_error))};
 }
 
+LogScale difference_scale() {
+    return {{0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1}};
+}
+
 void set_false_colors(const Uniforms& uniforms, const FalseColors& colors) {
     uniforms.set("ramp", false_color_ramp().data(), static_cast<int>(false_color_ramp().size()));
     uniforms.set("lowest", static_cast<float>(std::log(colors.scale.marks.front())));
     uniforms.set("highest", static_cast<float>(std::log(colors.scale.marks.back())));
-    uniforms.set("of_error", colors.what == LevelColors::standard_error ? 1 : 0);
+    uniforms.set("of_error", colors.what == LevelColors::irradiance ? 0 : 1);
     uniforms.set("tone", static_cast<int>(colors.tone));
 }
 

@@ -163,8 +163,11 @@ Box bounds_of_cells(const Volume& volume) {
     return box;
 }
 
-/// A volume of another level is told apart by its place, and suspected by its name.
-void check_volume_of(const Scene& scene, const Volume& volume, const std::string& path) {
+/// A volume of another level is told apart by its place, and suspected by its name; one of other light, by what it says.
+///
+/// environment  what is around the level, in words; empty: nothing is
+void check_volume_of(const Scene& scene, const std::string& environment, const Volume& volume,
+                     const std::string& path) {
     if (!volume.has_cells()) {
         throw Error("is a probe list: it has no cells to look light up in", path, "Bake a volume with a grid");
     }
@@ -177,6 +180,14 @@ void check_volume_of(const Scene& scene, const Volume& volume, const std::string
     const auto level = volume.settings.find("level");
     if (level != volume.settings.end() && level->second != scene.name) {
         warn("fly-through", fmt::format("{}: was baked for {}, and this is {}", path, level->second, scene.name));
+    }
+    const auto light = volume.settings.find("environment");
+    const std::string given = environment.empty() ? "none" : environment;
+    if (light != volume.settings.end() && light->second != given && !has_sky_layers(volume)) {
+        warn("fly-through",
+             fmt::format(
+                 "{}: its environment was \"{}\", and what is traced here has \"{}\": give the options of its bake",
+                 path, light->second, given));
     }
 }
 
@@ -271,6 +282,17 @@ void render_level(const Call& call, const fs::path& folder, const PathTracer& pa
     session.flight = flight ? std::move(flight) : std::move(default_flight.flight);
     session.lens = lens_for(glm::length(tracer.scene().bounds.size()), default_flight.object_size);
     session.object.size = static_cast<float>(default_flight.object_size);
+    const std::vector<Side> sides = sides_of(session);
+    const bool wants_map = std::any_of(sides.begin(), sides.end(), [](const Side& side) {
+        return side.settings.level_colors == LevelColors::difference;
+    });
+    if (wants_map) {
+        ReferenceMap map;
+        map.places = choose_map_places(tracer, volume->volume, map_places);
+        trace_map(paths, std::move(map), [&](const ReferenceMap& known) {
+            if (known.last) renderer.set_reference(std::make_shared<const ReferenceMap>(known));
+        });
+    }
     render_frames(call, folder, renderer, std::move(session), [&](glm::dvec3 position) {
         GatherOptions options;
         options.bands = LevelStage::reference_bands;
@@ -344,7 +366,7 @@ int run(const Call& call) {
         level_options = with_recorded(std::move(level_options), *volume);
     }
     scene = load_level(call.level, load_options(level_options));
-    if (volume) check_volume_of(scene, *volume, call.volume);
+    if (volume) check_volume_of(scene, light.description, *volume, call.volume);
     const Tracer tracer(scene);
     const PathTracer paths(tracer, light.environment);
     std::shared_ptr<const LitVolume> lit;

@@ -168,6 +168,9 @@ class Interactive {
             case Action::no_object:
                 session_.settings.show_object = false;
                 break;
+            case Action::next_worst:
+                if (level_) level_->show_next_worst();
+                break;
             case Action::next_environment:
                 if (environment_) {
                     environment_->load_next();

@@ -324,6 +324,12 @@ LevelMesh build_level_mesh(const Scene& scene, double longest_edge, std::uint32_
 }
 
 std::vector<VertexLight> light_level(const LevelMesh& mesh, glm::dvec3 origin, const LookUp& look_up) {
+    return light_level(mesh, origin,
+                       [&](glm::dvec3 position, glm::vec3 normal) { return light_on(look_up, position, normal); });
+}
+
+std::vector<VertexLight> light_level(const LevelMesh& mesh, glm::dvec3 origin,
+                                     const std::function<glm::vec4(glm::dvec3, glm::vec3)>& value) {
     std::vector<VertexLight> light(mesh.light_rows);
     const LevelDraw* before = nullptr;
     for (const LevelDraw& draw : mesh.draws) {
@@ -340,8 +346,8 @@ std::vector<VertexLight> light_level(const LevelMesh& mesh, glm::dvec3 origin, c
                 const LevelVertex& vertex = mesh.vertices[draw.first_vertex + v];
                 const glm::dvec3 position = origin + glm::dvec3(to_level * glm::vec4(vertex.position, 1));
                 const glm::vec3 normal = glm::normalize(normals * unpacked(vertex.normal));
-                light[first + v].front = light_on(look_up, position, normal);
-                light[first + v].back = light_on(look_up, position, -normal);
+                light[first + v].front = value(position, normal);
+                light[first + v].back = value(position, -normal);
             });
         }
     }

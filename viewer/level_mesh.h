@@ -8,6 +8,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 /// A level as a graphics card wants it. No OpenGL here.
@@ -74,7 +75,12 @@ struct VertexLight {
     glm::vec4 back{0};
 };
 
-/// One for every row of the light table, by look-ups moved off the surface by `look_up`'s normal bias. In parallel.
+/// One for every row of the light table. In parallel.
+///
+/// value  of a side of the surface, by the place in level coordinates and the normal
+[[nodiscard]] std::vector<VertexLight> light_level(const LevelMesh& mesh, glm::dvec3 origin,
+                                                   const std::function<glm::vec4(glm::dvec3, glm::vec3)>& value);
+/// The same by look-ups moved off the surface by `look_up`'s normal bias.
 [[nodiscard]] std::vector<VertexLight> light_level(const LevelMesh& mesh, glm::dvec3 origin, const LookUp& look_up);
 
 }  // namespace lightgrid

@@ -7,6 +7,7 @@
 #include "viewer/outlines.h"
 
 #include <fmt/format.h>
+#include <glm/gtc/constants.hpp>
 
 #include <algorithm>
 #include <chrono>
@@ -22,6 +23,31 @@ namespace {
 constexpr std::int64_t probes_while_shown = 8192;
 /// An object that has moved by this share of its size is at another place.
 constexpr double same_place = 0.02;
+/// Of the level's diagonal: how far apart the worst places are, and from how far they are looked at.
+constexpr double worst_apart = 0.05;
+constexpr double look_from = 0.08;
+constexpr std::size_t most_worst = 16;
+
+/// An eye that looks at a place of a surface, aslant, from where there is most room.
+Pose in_sight_of(const Tracer& tracer, const MapPlace& place, float distance) {
+    const glm::vec3 aside = glm::normalize(
+        glm::cross(place.normal, std::abs(place.normal.y) < 0.7F ? glm::vec3(0, 1, 0) : glm::vec3(1, 0, 0)));
+    const glm::vec3 along = glm::cross(place.normal, aside);
+    glm::vec3 best = place.normal;
+    float most = 0;
+    for (int i = 0; i < 8; ++i) {
+        const float angle = static_cast<float>(i) * glm::pi<float>() / 4;
+        const glm::vec3 way = glm::normalize(place.normal + 0.7F * (std::cos(angle) * aside + std::sin(angle) * along));
+        const Hit hit = tracer.closest_hit(place.position, way, distance);
+        const float free = hit.found() ? hit.distance : distance;
+        if (free > most) {
+            most = free;
+            best = way;
+        }
+    }
+    const glm::dvec3 target = tracer.scene().origin + glm::dvec3(place.position);
+    return looking_at(target + 0.8 * most * glm::dvec3(best), target);
+}
 
 }  // namespace
 
@@ -176,6 +202,80 @@ void LevelStage::update() {
     if (baked_ != nullptr && session_.layers != mixed_) mix();
     at_click_.update();
     follow_object();
+    follow_map();
+}
+
+void LevelStage::follow_map() {
+    const std::vector<Side> sides = sides_of(session_);
+    map_is_wanted_ = map_is_wanted_ || std::any_of(sides.begin(), sides.end(), [](const Side& side) {
+                         return side.settings.level_colors == LevelColors::difference;
+                     });
+    if (!map_is_wanted_ || baked_ == nullptr) return;
+    if (!map_tracer_) {
+        map_tracer_.emplace([&paths = show_.paths](const MapQuestion& question, const auto& turn) {
+            ReferenceMap map;
+            map.places = choose_map_places(paths.tracer(), question.volume->volume, map_places);
+            trace_map(
+                paths, std::move(map),
+                [&](const ReferenceMap& known) {
+                    turn.tell([&](auto& news) { news = std::make_shared<const ReferenceMap>(known); });
+                },
+                [&] { turn.check(); });
+        });
+        // The light of the path tracer does not depend on the volume: another one of the level needs no other map.
+        map_tracer_->ask({baked_});
+    }
+    if (std::optional<std::shared_ptr<const ReferenceMap>> known = map_tracer_->take()) {
+        map_ = std::move(*known);
+    }
+    std::shared_ptr<const ReferenceMap> valid = session_.layers == mix_as_baked_ ? map_ : nullptr;
+    if (valid == map_shown_) return;
+    map_shown_ = std::move(valid);
+    renderer_.set_reference(map_shown_);
+}
+
+void LevelStage::show_next_worst() {
+    map_is_wanted_ = true;
+    if (session_.layers != mix_as_baked_) {
+        tell_("the path tracer knows the light as it was baked only: set the layers back");
+        return;
+    }
+    if (map_ == nullptr) {
+        tell_("the path tracer looks for where the volume is worst: ask again in a few seconds");
+        return;
+    }
+    const double diagonal = glm::length(scene_.bounds.size());
+    const LookUp light = renderer_.level_look_up(session_.settings);
+    const std::vector<float> differences = differences_of(*map_, scene_.origin, light);
+    const std::vector<std::size_t> worst = worst_places(*map_, differences, worst_apart * diagonal, most_worst);
+    if (worst.empty()) {
+        tell_("no place is known to differ");
+        return;
+    }
+    const auto is_new = [&](std::size_t i) {
+        return std::none_of(worst_shown_.begin(), worst_shown_.end(), [&](glm::vec3 shown) {
+            return glm::distance(shown, map_->places[i].position) < worst_apart * diagonal;
+        });
+    };
+    auto next = std::find_if(worst.begin(), worst.end(), is_new);
+    if (next == worst.end()) {
+        worst_shown_.clear();
+        next = worst.begin();
+    }
+    const MapPlace& place = map_->places[*next];
+    worst_shown_.push_back(place.position);
+    const glm::dvec3 position = scene_.origin + glm::dvec3(place.position);
+    session_.pose = in_sight_of(show_.paths.tracer(), place, static_cast<float>(look_from * diagonal));
+    session_.touched = true;
+    session_.flown_s.reset();
+    clicked_surface_ = true;
+    at_click_.light.reset();
+    at_click_.ask(show_.paths, position, place.normal);
+    tell_(fmt::format("worst place {} of {}, at {:.2f} {:.2f} {:.2f}: {:.3g} lux, {:.3g} by the path tracer{}",
+                      next - worst.begin() + 1, worst.size(), position.x, position.y, position.z,
+                      luminance(surface_irradiance(light, position, place.normal)),
+                      luminance(glm::vec3(place.irradiance.mean)),
+                      map_->last ? "" : "; there may be worse, more is being traced"));
 }
 
 void LevelStage::follow_object() {
@@ -253,6 +353,12 @@ void LevelStage::complete(Facts& facts) const {
         if (status.working && status.samples > 0) {
             facts.baking = fmt::format("{} rays a probe, {:.0f} %", status.samples, 100 * status.share);
         }
+    }
+    if (map_is_wanted_) {
+        facts.map = session_.layers != mix_as_baked_ ? "of the light as baked only"
+                    : map_ == nullptr                ? "being traced"
+                                      : fmt::format("{} of {} places{}", map_->traced, map_->places.size(),
+                                                    map_->last ? "" : " so far");
     }
     if (at_object_.asked) {
         facts.object_reference = at_object_.light ? fmt::format("{} rays", at_object_.light->samples) : "being traced";

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "probes/paths.h"
+#include "viewer/background_answer.h"
 #include "viewer/background_bake.h"
 #include "viewer/default_flight.h"
 #include "viewer/facts.h"
@@ -46,6 +47,9 @@ class LevelStage {
     void take_sky(const std::filesystem::path& file);
     /// Turns such a sky on, or shows the next one.
     void next_sky();
+    /// Moves the camera to where the volume differs most from the path tracer, of what is known yet; then to the next such
+    /// place. Asks for the light there.
+    void show_next_worst();
     void complete(Frame& frame) const;
     void complete(Facts& facts) const;
 
@@ -57,6 +61,8 @@ class LevelStage {
     void mix();
     void show_sky(SkyShown shown);
     void follow_object();
+    /// Has the map of differences traced where it is wanted, and brings the renderer what is known of it.
+    void follow_map();
     [[nodiscard]] std::optional<ClickedLight> clicked_light() const;
 
     LevelShow show_;
@@ -86,6 +92,15 @@ class LevelStage {
         void ask(const PathTracer& paths, glm::dvec3 position, glm::vec3 normal);
         void update();
     };
+    std::shared_ptr<const ReferenceMap> map_;
+    std::shared_ptr<const ReferenceMap> map_shown_;  // none while the light is not as it was baked
+    bool map_is_wanted_ = false;                     // since somebody asked for it
+    std::vector<glm::vec3> worst_shown_;             // places that have been gone to
+    struct MapQuestion {
+        std::shared_ptr<const LitVolume> volume;
+    };
+    std::optional<BackgroundAnswer<MapQuestion, std::shared_ptr<const ReferenceMap>>> map_tracer_;
+
     Reference at_object_;
     Reference at_click_;
     bool clicked_surface_ = false;

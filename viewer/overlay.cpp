@@ -112,7 +112,11 @@ void lay_out_clicked(const ClickedLight& clicked, GLuint spheres, const Area& ar
         ImGui::Text("vol %s", lux(clicked.irradiance.volume).c_str());
         ImGui::Text("ref %s", lux(clicked.irradiance.reference).c_str());
         ImGui::TextDisabled(" +- %s", lux(clicked.irradiance.reference_error).c_str());
-        ImGui::Text("difference %+.1f %%", 100.0 * static_cast<double>(clicked.irradiance.relative));
+        if (std::isfinite(clicked.irradiance.relative)) {
+            ImGui::Text("difference %+.1f %%", 100.0 * static_cast<double>(clicked.irradiance.relative));
+        } else {
+            ImGui::TextUnformatted("it should be dark here");
+        }
         ImGui::TextDisabled("%u rays%s", clicked.samples, clicked.last ? "" : " ...");
     }
     ImGui::End();

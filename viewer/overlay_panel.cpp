@@ -208,8 +208,11 @@ void lay_out_weights(const LookUp& from, glm::dvec3 position) {
 
 void lay_out_data(const Panel& panel) {
     Settings& settings = panel.session.settings;
-    constexpr std::array colors{"as it looks", "irradiance", "standard error"};
+    constexpr std::array colors{"as it looks", "irradiance", "standard error", "off from path tracer"};
+    static_assert(colors.size() == level_colors_count);
     choose(with_key("level", Action::level_colors), settings.level_colors, colors);
+    if (!panel.facts.map.empty()) number("reference", panel.facts.map);
+    panel.action_button("Worst place", Action::next_worst);
     constexpr std::array probes{"none", "in sight", "through walls"};
     choose(with_key("probes", Action::probes), settings.probes, probes);
     if (settings.probes != ProbesShown::none) lay_out_states();

@@ -42,6 +42,7 @@ void Renderer::set_level(const Scene& scene, double longest_edge, const std::vec
     level_.reset();
     level_.emplace(gl_, shaders_, scene, build_level_mesh(scene, longest_edge), outlines);
     origin_ = scene.origin;
+    level_size_ = static_cast<float>(glm::length(scene.bounds.size()));
     albedo_ = mean_albedo(scene);
 }
 
@@ -52,6 +53,11 @@ void Renderer::set_volume(std::shared_ptr<const LitVolume> volume) {
     error_legend_.reset();
     stored_.clear();
     stored_.push_back({.volume = std::move(volume)});
+}
+
+void Renderer::set_reference(std::shared_ptr<const ReferenceMap> map) {
+    reference_ = std::move(map);
+    std::erase_if(light_tables_, [](const LightTable& table) { return table.is_difference; });
 }
 
 void Renderer::set_environment(const Environment& environment) {
@@ -103,17 +109,33 @@ PixelLight Renderer::pixel_light(const Settings& settings) {
 
 const TexelBuffer& Renderer::light_table(const Settings& settings) {
     const Storage storage = level_storage_of(settings);
+    const bool is_difference = settings.level_colors == LevelColors::difference;
     const auto known = std::find_if(light_tables_.begin(), light_tables_.end(), [&](const LightTable& table) {
-        return table.filter == settings.filter && table.bands == settings.bands && table.storage == storage;
+        return table.filter == settings.filter && table.bands == settings.bands && table.storage == storage &&
+               table.is_difference == is_difference;
     });
     if (known != light_tables_.end()) return known->table;
     look_ups_ += 2 * level_->mesh().light_rows;
     if (light_tables_.size() == most_light_tables) light_tables_.erase(light_tables_.begin());
-    const std::vector<VertexLight> light = light_level(level_->mesh(), origin_, level_look_up(settings));
-    if (!scales_) scales_ = scales_of(light);
-    light_tables_.push_back({settings.filter, settings.bands, storage, level_->make_light_table(light),
+    const std::vector<VertexLight> light =
+        is_difference ? differences(settings) : light_level(level_->mesh(), origin_, level_look_up(settings));
+    if (!scales_ && !is_difference) scales_ = scales_of(light);
+    light_tables_.push_back({settings.filter, settings.bands, storage, is_difference, level_->make_light_table(light),
                              light.size() * sizeof(VertexLight)});
     return light_tables_.back().table;
+}
+
+std::vector<VertexLight> Renderer::differences(const Settings& settings) {
+    constexpr glm::vec4 unknown(0, 0, 0, -1);
+    const LookUp light = level_look_up(settings);
+    const std::size_t traced = reference_ == nullptr ? 0 : reference_->traced;
+    const std::vector<float> known = traced == 0 ? std::vector<float>() : differences_of(*reference_, origin_, light);
+    return light_level(level_->mesh(), origin_, [&](glm::dvec3 position, glm::vec3 normal) {
+        if (traced == 0) return unknown;
+        const std::span places = std::span(reference_->places).first(traced);
+        const auto nearest = nearest_place(places, glm::vec3(position - origin_), normal, level_size_);
+        return nearest ? glm::vec4(0, 0, 0, known[*nearest]) : unknown;
+    });
 }
 
 LevelDrawing::Light Renderer::level_light(const Frame& frame, const Settings& settings, const LookUp& light) {
@@ -126,20 +148,24 @@ LevelDrawing::Light Renderer::level_light(const Frame& frame, const Settings& se
     }
     result.constant = light.volume->usual_light;
     const bool data = settings.level_colors != LevelColors::surface;
-    // Errors are known at vertices only.
-    if (settings.level_colors == LevelColors::standard_error) result.kind = LevelLight::vertex;
+    // Errors and differences are known at vertices only.
+    const bool of_vertices = data && settings.level_colors != LevelColors::irradiance;
+    if (of_vertices) result.kind = LevelLight::vertex;
     if (result.kind == LevelLight::vertex || data) result.table = &light_table(settings);
     if (result.kind == LevelLight::pixel) result.pixel = pixel_light(settings);
     if (data) {
-        const bool irradiance = settings.level_colors == LevelColors::irradiance;
-        const LogScale scale = irradiance ? scales_->irradiance : scales_->standard_error;
-        result.colors = FalseColors{settings.level_colors, scale, settings.tone};
+        result.colors = FalseColors{settings.level_colors, scale_for(settings.level_colors), settings.tone};
     } else if (frame.object && settings.show_object && settings.contact_shadow && result.kind != LevelLight::none) {
         const Sh9 radiance = radiance_sh(light, frame.object->position);
         const glm::vec3 center(frame.object->position - origin_);
         result.shadow = ObjectShadow{center, 0.5F * frame.object->size, dominant_light(radiance)};
     }
     return result;
+}
+
+LogScale Renderer::scale_for(LevelColors what) const {
+    if (what == LevelColors::difference) return difference_scale();
+    return what == LevelColors::irradiance ? scales_->irradiance : scales_->standard_error;
 }
 
 void Renderer::draw_object(const Eye& eye, const Frame& frame, const Settings& settings, const LookUp& light) {
@@ -182,16 +208,20 @@ void Renderer::draw_data(const Eye& eye, const Frame& frame, const Settings& set
 }
 
 void Renderer::draw_legend(const Pane& pane) {
-    if (pane.settings.level_colors == LevelColors::surface || !scales_) return;
+    const LevelColors what = pane.settings.level_colors;
+    if (what == LevelColors::surface || (what != LevelColors::difference && !scales_)) return;
     if (pane.part.size.x < 4 * legend_size.x || 2 * pane.part.size.y < 3 * legend_size.y)
         return;  // it would hide too much
-    const bool irradiance = pane.settings.level_colors == LevelColors::irradiance;
-    std::optional<LabelDrawing>& legend = irradiance ? irradiance_legend_ : error_legend_;
+    std::optional<LabelDrawing>& legend = what == LevelColors::irradiance       ? irradiance_legend_
+                                          : what == LevelColors::standard_error ? error_legend_
+                                                                                : difference_legend_;
     if (!legend) {
         Canvas canvas(legend_size.x, legend_size.y, paper);
-        lightgrid::draw_legend(canvas, {14, 40}, legend_size.y - 54,
-                               irradiance ? scales_->irradiance : scales_->standard_error,
-                               irradiance ? "lux" : "std error / E", ink);
+        lightgrid::draw_legend(canvas, {14, 40}, legend_size.y - 54, scale_for(what),
+                               what == LevelColors::irradiance       ? "lux"
+                               : what == LevelColors::standard_error ? "std error / E"
+                                                                     : "difference / E",
+                               ink);
         legend.emplace(gl_, shaders_, canvas);
     }
     legend->draw(pane.part);

@@ -10,6 +10,7 @@
 #include "viewer/draw_object.h"
 #include "viewer/exposure.h"
 #include "viewer/picture_target.h"
+#include "viewer/reference_map.h"
 
 #include <memory>
 #include <optional>
@@ -50,6 +51,8 @@ class Renderer {
     void set_volume(std::shared_ptr<const LitVolume> volume);
     /// What each of the level's materials emits is multiplied by; none: 1.
     void set_emission_weights(std::vector<glm::vec3> by_material) { emission_weights_ = std::move(by_material); }
+    /// The path tracer's light that LevelColors::difference compares the volume with; none: nothing is known yet.
+    void set_reference(std::shared_ptr<const ReferenceMap> map);
     void set_environment(const Environment& environment);
     void set_object(const ObjectMesh& mesh);
     /// The object shadows itself from now on: self_shadowed_transfer of its mesh, of three bands.
@@ -87,6 +90,7 @@ class Renderer {
         Filter filter;
         int bands;
         Storage storage;
+        bool is_difference;  // its shares are differences from the reference
         TexelBuffer table;
         std::size_t bytes = 0;
     };
@@ -102,12 +106,14 @@ class Renderer {
     void draw_object(const Eye& eye, const Frame& frame, const Settings& settings, const LookUp& light);
     void draw_data(const Eye& eye, const Frame& frame, const Settings& settings, const LookUp& light);
     void draw_legend(const Pane& pane);
+    [[nodiscard]] LogScale scale_for(LevelColors what) const;
     /// As `settings` want it for objects, which are deringed one by one, and for the level's surfaces.
     [[nodiscard]] Storage storage_of(const Settings& settings) const;
     [[nodiscard]] Storage level_storage_of(const Settings& settings) const;
     [[nodiscard]] Stored& stored(const Storage& storage);
     [[nodiscard]] LookUp look_up_with(const Settings& settings);
     [[nodiscard]] const TexelBuffer& light_table(const Settings& settings);
+    [[nodiscard]] std::vector<VertexLight> differences(const Settings& settings);
     [[nodiscard]] PixelLight pixel_light(const Settings& settings);
     [[nodiscard]] LevelDrawing::Light level_light(const Frame& frame, const Settings& settings, const LookUp& light);
 
@@ -117,7 +123,9 @@ class Renderer {
     BackgroundDrawing background_;
     std::optional<LevelDrawing> level_;
     std::optional<ObjectDrawing> object_;
+    std::shared_ptr<const ReferenceMap> reference_;
     glm::dvec3 origin_{0};
+    float level_size_ = 0;        // diagonal, metres
     float albedo_ = grey_albedo;  // of the level
     std::vector<glm::vec3> emission_weights_;
     BallDrawing balls_;
@@ -127,6 +135,7 @@ class Renderer {
     std::optional<LightScales> scales_;  // of the first light table of the volume
     std::optional<LabelDrawing> irradiance_legend_;
     std::optional<LabelDrawing> error_legend_;
+    std::optional<LabelDrawing> difference_legend_;
     float exposure_ = 1;
     std::size_t look_ups_ = 0;
 };

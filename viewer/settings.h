@@ -8,8 +8,10 @@ namespace lightgrid {
 enum class LevelLight : std::uint8_t { none, constant, vertex, pixel };
 /// object: one look-up for all of it. reference: what the path tracer says there, where the frame knows (Frame).
 enum class ObjectLight : std::uint8_t { constant, object, pixel, reference };
-enum class LevelColors : std::uint8_t { surface, irradiance, standard_error };  // the latter two in false colours
-enum class ProbesShown : std::uint8_t { none, in_sight, all };                  // all: through walls, too
+/// In false colours: irradiance, its standard error, and by how much it differs from the path tracer (ReferenceMap).
+enum class LevelColors : std::uint8_t { surface, irradiance, standard_error, difference };
+inline constexpr int level_colors_count = 4;
+enum class ProbesShown : std::uint8_t { none, in_sight, all };  // all: through walls, too
 enum class Filter : std::uint8_t { trilinear, nearest };
 enum class Background : std::uint8_t { none, picture, light };  // light: as the coefficients at the eye have it
 enum class Tone : std::uint8_t { film, reinhard, linear };

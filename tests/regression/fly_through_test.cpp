@@ -4,6 +4,7 @@
 #include "probes/volume_file.h"
 #include "tests/regression/program_test.h"
 
+#include <regex>
 #include <set>
 
 namespace lightgrid {
@@ -143,6 +144,26 @@ TEST_F(FlyThrough, WarnsOfAVolumeThatNamesAnotherLevel) {
     EXPECT_EQ(result.status, 0);
     EXPECT_NE(result.err.find("warning: cornell.probes.exr: was baked for cornell.glb"), std::string::npos)
         << result.err;
+}
+
+TEST_F(FlyThrough, WarnsOfAVolumeOfOtherLight) {
+    bake(cornell, "cornell.probes.exr", "--sky 1,2,3");
+    const std::string call = cornell + " cornell.probes.exr --headless --frames 1 --size 64x36 --out shots";
+    EXPECT_NE(
+        run(call).err.find(R"(its environment was "uniform sky 1,2,3 cd/m^2", and what is traced here has "none")"),
+        std::string::npos);
+    EXPECT_EQ(run(call + " --sky 1,2,3").err.find("its environment was"), std::string::npos);
+}
+
+TEST_F(FlyThrough, ColorsTheLevelByHowMuchTheVolumeDiffersFromThePathTracer) {
+    bake(cornell, "cornell.probes.exr");
+    write("still.json", R"({"keys": [{"time_s": 0, "eye": [2.7, 2, 5], "look_at": [2.7, 2, 0]}]})");  // no object
+    const std::string call = cornell + " cornell.probes.exr --headless --path still.json --frames 1 --size 64x36";
+    ASSERT_EQ(run(call + " --press vvv --out differences").status, 0);
+    ASSERT_EQ(run(call + " --press vv --out errors").status, 0);
+    const ByteImage differences = picture("differences/frame_00000.png");
+    EXPECT_GT(contrast(differences), 30) << "the light is as right everywhere";
+    EXPECT_NE(differences.pixels, picture("errors/frame_00000.png").pixels);
 }
 
 TEST_F(FlyThrough, ABrokenShaderIsRefusedByFileAndLine) {
@@ -296,6 +317,31 @@ TEST_F(InAWindow, IsFlownResizedPhotographedAndClosed) {
     const RadianceFile light = read_radiance(folder() / "cornell_0001.exr");
     EXPECT_EQ(light.image.width, 320);
     EXPECT_NE(read_whole_file(folder() / "cornell_path_0001.json").find("yaw_deg"), std::string::npos);
+}
+
+TEST_F(InAWindow, SpaceGoesToWhereTheVolumeIsWorst) {
+    bake(cornell, "cornell.probes.exr");
+    write("start.json", R"({"keys": [{"time_s": 0, "eye": [2.7, 2, 5], "look_at": [2.7, 2, 0]}]})");
+    const Result result = act(cornell + " cornell.probes.exr --size 320x180 --path start.json", R"(
+        xdotool mousemove 100 100 key F12
+        wait_for cornell_0001.exr
+        for i in $(seq 600); do
+            xdotool key space
+            sleep 0.1
+            grep -q 'worst place 1 of' said && break
+        done
+        xdotool key F12
+        wait_for cornell_0002.exr
+        xdotool key space
+        for i in $(seq 100); do [ $(grep -c 'worst place' said) -ge 2 ] && break; sleep 0.1; done
+        xdotool key Escape)");
+    EXPECT_EQ(result.status, 0) << result.err;
+    EXPECT_NE(read_whole_file(folder() / "cornell_0001.exr"), read_whole_file(folder() / "cornell_0002.exr"));
+    std::set<std::string> places;
+    const std::regex told("worst place [0-9]+ of [0-9]+, at ([-0-9. ]+)");
+    for (std::sregex_iterator at(result.err.begin(), result.err.end(), told), end; at != end; ++at)
+        EXPECT_TRUE(places.insert((*at)[1]).second) << result.err;
+    EXPECT_GE(places.size(), 2U) << result.err;
 }
 
 TEST_F(InAWindow, TheBunnyTakesThePlaceOfTheSphereWhileThePictureGoesOn) {

@@ -302,6 +302,30 @@ TEST_F(Lit, FalseColorsAreThoseOfTheScaleWhateverTheToneMap) {
     }
 }
 
+TEST_F(Lit, DifferencesAreGreyUntilTheyAreKnown) {
+    set_volume(even_volume({0, 0, 1}, 3, 1));
+    settings_.tone = Tone::linear;
+    settings_.level_colors = LevelColors::difference;
+    const auto shown = [&] {
+        static_cast<void>(draw());
+        return renderer_.target().read_picture().at(5, 20);
+    };
+    const auto expect_color = [&](glm::vec3 want) {
+        const glm::u8vec4 got = shown();
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(got[c], 255 * want[c], 2.5);
+    };
+    expect_color(glm::vec3(0.35F));
+    const float said = luminance(surface_irradiance(looked_up(), {0, 0, wall_z}, {0, 0, 1}));
+    auto map = std::make_shared<ReferenceMap>();
+    map->places.push_back({.position = {0, 0, wall_z}, .normal = {0, 0, 1}, .apart = 100, .samples = 16});
+    map->places.back().irradiance.mean = glm::dvec3(said / 1.2F);
+    map->traced = 1;
+    renderer_.set_reference(map);
+    expect_color(false_color(static_cast<float>(difference_scale().place(0.2F))));
+    renderer_.set_reference(nullptr);
+    expect_color(glm::vec3(0.35F));
+}
+
 TEST_F(Lit, TheLegendIsInTheUpperRightCorner) {
     set_volume(even_volume({0, 0, 1}, 3, 1));
     settings_.level_colors = LevelColors::irradiance;
@@ -357,8 +381,8 @@ TEST_F(Lit, AllSettingsAreDrawnWithoutAComplaint) {
     frame_.object = ObjectPlace{.position = {0, 0, -1.5}, .size = 0.5F};
     for (const LevelLight level : {LevelLight::none, LevelLight::constant, LevelLight::vertex, LevelLight::pixel}) {
         for (const ObjectLight object : {ObjectLight::constant, ObjectLight::object, ObjectLight::pixel}) {
-            for (const LevelColors colors :
-                 {LevelColors::surface, LevelColors::irradiance, LevelColors::standard_error}) {
+            for (const LevelColors colors : {LevelColors::surface, LevelColors::irradiance, LevelColors::standard_error,
+                                             LevelColors::difference}) {
                 for (const bool on : {false, true}) {
                     settings_.level_light = level;
                     settings_.object_light = object;

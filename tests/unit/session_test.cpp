@@ -33,7 +33,7 @@ TEST(Controls, EveryKeyDoesOneThingAndIsInTheHelp) {
         // Flying has its own keys.
         for (const Key key : {Key::w, Key::a, Key::s, Key::d, Key::q, Key::e}) EXPECT_NE(binding.key, key);
     }
-    EXPECT_FALSE(action_of(Key::space));
+    EXPECT_FALSE(action_of(Key::left_shift));
 }
 
 TEST(Controls, FlyingIsAsFastWhateverTheDirectionAndTheFrameRate) {
@@ -75,8 +75,8 @@ TEST(Controls, SettingsComeRoundAgain) {
          {std::pair(Action::tone, 3), std::pair(Action::level_light, 4), std::pair(Action::object_light, 4),
           std::pair(Action::bands, 3), std::pair(Action::filter, 2), std::pair(Action::dering, 2),
           std::pair(Action::half, 2), std::pair(Action::background, 3), std::pair(Action::contact_shadow, 2),
-          std::pair(Action::self_shadowing, 2), std::pair(Action::level_colors, 3), std::pair(Action::probes, 3),
-          std::pair(Action::cell, 2), std::pair(Action::crowd, 2)}) {
+          std::pair(Action::self_shadowing, 2), std::pair(Action::level_colors, level_colors_count),
+          std::pair(Action::probes, 3), std::pair(Action::cell, 2), std::pair(Action::crowd, 2)}) {
         Settings settings;
         int changed = 0;
         for (int i = 0; i < presses; ++i) {
@@ -306,8 +306,8 @@ TEST(Session, WhatIsForTheProgramIsPassedOn) {
     input.pressed = {Key::f12, Key::digit_2, Key::b, Key::space, Key::f1, Key::tab, Key::i, Key::escape};
     input.dropped = {"sky.hdr"};
     const Requests requests = step(session, input, 0.01, size);
-    EXPECT_EQ(requests.actions,
-              (std::vector{Action::screenshot, Action::bunny, Action::next_environment, Action::quit}));
+    EXPECT_EQ(requests.actions, (std::vector{Action::screenshot, Action::bunny, Action::next_worst,
+                                             Action::next_environment, Action::quit}));
     EXPECT_EQ(requests.files, std::vector<std::string>{"sky.hdr"});
     EXPECT_TRUE(session.show_help);
     EXPECT_FALSE(session.show_panel);
