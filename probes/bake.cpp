@@ -72,6 +72,7 @@ class Bake {
         result_.from_kept = true;
         light_from(kept);
         finish();
+        judge();
         describe();
         return std::move(result_);
     }
@@ -297,15 +298,20 @@ class Bake {
         add_stage("look-ups", watch.lap(), {});
     }
 
+    /// Where transport is kept, only light that nothing measures is told of: no target can be missed.
     void judge() {
         Evidence evidence{result_.error ? &*result_.error : nullptr, result_.noise.relrmse};
         evidence.points = plan_.points.size() + held_out_.points.size();
         evidence.is_black = is_black(result_.volume.coefficients) && held_out_.a.is_black() && held_out_.b.is_black();
-        evidence.is_tested = (paths_.lights() & ~result_.counts.tested) == 0;
+        evidence.is_tested = result_.from_kept || (paths_.lights() & ~result_.counts.tested) == 0;
         evidence.has_light = paths_.lights() != 0;
-        evidence.is_shut_out = !plan_.shut_out.empty();
+        evidence.is_shut_out = std::any_of(plan_.shut_out.begin(), plan_.shut_out.end(),
+                                           [](const ShutOut& out) { return out.node >= 0; });
+        evidence.is_all_shut_out = is_all_shut_out(paths_, plan_.shut_out);
         evidence.missing_textures = paths_.tracer().scene().missing_textures.size();
-        result_.verdict = lightgrid::judge(options_.target, evidence);
+        Target target = options_.target;
+        if (result_.from_kept) target.samples = plan_.samples;
+        result_.verdict = lightgrid::judge(target, evidence);
     }
 
     void describe() {

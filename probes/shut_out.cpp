@@ -10,8 +10,6 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <map>
-#include <mutex>
 #include <optional>
 #include <set>
 
@@ -23,13 +21,20 @@ constexpr int bounces = 4;
 constexpr std::size_t paths_from_points = 4096;
 constexpr std::size_t paths_from_lamp = 512;
 constexpr int points_tried = 4;  // at each vertex of a lamp's path
-constexpr int most_layers = 64;  // along a ray
+constexpr double least_around = 1.0 / 16;  // of the points: refined grids have most where light is, outside of a dome
+constexpr int directions_tried = 8;  // upwards, of a point that a mesh may be all around
+constexpr int most_layers = 64;      // along a ray
 
 /// A direction towards a light, and how far it is free to go; none: nothing comes from there.
 struct Towards {
     glm::vec3 direction{0};
     float distance = 0;
 };
+
+bool shines(const PathTracer& paths, std::size_t light) {
+    return paths.sources().light(light) != LightSources::off &&
+           paths.tracer().scene().lights[light].intensity != glm::vec3(0);
+}
 
 bool is_free(const Tracer& tracer, glm::vec3 from, const Towards& towards) {
     return tracer.transmittance(from, towards.direction, towards.distance) != glm::vec3(0);
@@ -88,24 +93,19 @@ Ray reflected(const Surface& surface, RandomStream& random) {
     return {surface.leave(normal), direction};
 }
 
-Box bounds_of_node(const Scene& scene, int node) {
+/// Bounds of what stands in the level and satisfies `counts(node)`, relative to Scene::origin.
+Box bounds_of_nodes(const Scene& scene, const std::function<bool(int)>& counts) {
     Box box;
     for (const int mesh : scene.placed) {
-        if (scene.meshes[mesh].node != node) continue;
+        if (!counts(scene.meshes[mesh].node)) continue;
         for (const glm::vec3& position : scene.meshes[mesh].positions) box.extend(position);
     }
     for (const Instance& instance : scene.instances) {
-        if (instance.node != node) continue;
+        if (!counts(instance.node)) continue;
         for (const int mesh : scene.models[instance.model].meshes)
             for (const glm::vec3& position : scene.meshes[mesh].positions)
                 box.extend(instance.to_level * glm::vec4(position, 1));
     }
-    return box;
-}
-
-Box bounds_of_points(std::span<const glm::vec3> points) {
-    Box box;
-    for (const glm::vec3& point : points) box.extend(point);
     return box;
 }
 
@@ -115,38 +115,55 @@ bool is_within(const Box& inner, const Box& outer) {
            glm::all(glm::lessThanEqual(inner.max, outer.max + slack));
 }
 
-std::string name_of_node(const Scene& scene, int node) {
-    return node < 0 ? std::string() : scene.node_names[static_cast<std::size_t>(node)];
+Box bounds_of(std::span<const glm::vec3> points) {
+    Box box;
+    for (const glm::vec3& point : points) box.extend(point);
+    return box;
 }
 
-/// The mesh that alone keeps a light at infinity from all points; empty: light arrives, or no one mesh does.
+bool encloses_the_rest(const Scene& scene, int node) {
+    const Box rest = bounds_of_nodes(scene, [&](int other) { return other != node; });
+    return rest.empty() || is_within(rest, bounds_of_nodes(scene, [&](int other) { return other == node; }));
+}
+
+/// Whether a node's mesh is met in each of some directions upwards.
+bool is_around(const Tracer& tracer, int node, glm::vec3 point, RandomStream& random) {
+    for (int i = 0; i < directions_tried; ++i) {
+        glm::vec3 direction = sphere_direction(random.next2());
+        direction.y = std::abs(direction.y);
+        if (nodes_in_the_way(tracer, point, direction).count(node) == 0) return false;
+    }
+    return true;
+}
+
+/// The mesh that alone keeps a light at infinity from the points that it is all around; none: light arrives there, or no
+/// one mesh does.
 ///
 /// aim  draws a direction to the light
-std::string mesh_before(const Tracer& tracer, std::span<const glm::vec3> points, const Box& around,
-                        const std::function<std::optional<Towards>(RandomStream&)>& aim, bool only_upwards) {
-    const Scene& scene = tracer.scene();
-    std::atomic<bool> arrives = false;
-    std::mutex lock;
-    std::size_t rays = 0;
-    std::map<int, std::size_t> stopped;  // rays that a node stops,
-    std::set<int> alone;                 // and nodes that stop some by themselves
-    for_each_index(paths_from_points, [&](std::size_t i) {
-        if (arrives) return;
+std::optional<ShutOut> shut_out_by(const Tracer& tracer, std::span<const glm::vec3> points,
+                                   const std::function<std::optional<Towards>(RandomStream&)>& aim, bool only_upwards) {
+    struct Path {
+        glm::vec3 start{0};
+        bool is_lit = false;
+        bool has_aimed = false;     // straight from its start,
+        std::set<int> in_the_way;  // where these nodes are met
+    };
+    std::vector<Path> traced(paths_from_points);
+    for_each_index(traced.size(), [&](std::size_t i) {
+        Path& path = traced[i];
         RandomStream random(mix_bits(0x5107, i));
-        glm::vec3 at = points[i * points.size() / paths_from_points];
+        path.start = points[i * points.size() / traced.size()];
+        glm::vec3 at = path.start;
         glm::vec3 direction = sphere_direction(random.next2());
         for (int bounce = 0; bounce < bounces; ++bounce) {
             if (const std::optional<Towards> towards = aim(random)) {
                 if (is_free(tracer, at, *towards)) {
-                    arrives = true;
+                    path.is_lit = true;
                     return;
                 }
                 if (bounce == 0 && (!only_upwards || towards->direction.y > 0)) {
-                    const std::set<int> nodes = nodes_in_the_way(tracer, at, towards->direction);
-                    const std::scoped_lock locked(lock);
-                    ++rays;
-                    for (const int node : nodes) ++stopped[node];
-                    if (nodes.size() == 1) alone.insert(*nodes.begin());
+                    path.has_aimed = true;
+                    path.in_the_way = nodes_in_the_way(tracer, at, towards->direction);
                 }
             }
             const std::optional<Stop> stop = first_stop(tracer, at, direction);
@@ -156,9 +173,24 @@ std::string mesh_before(const Tracer& tracer, std::span<const glm::vec3> points,
             direction = ray.direction;
         }
     });
-    if (arrives) return {};
-    for (const int node : alone)
-        if (stopped[node] == rays && is_within(around, bounds_of_node(scene, node))) return name_of_node(scene, node);
+    const bool is_dark =
+        std::none_of(traced.begin(), traced.end(), [](const Path& path) { return path.is_lit; });
+    std::set<int> alone;
+    for (const Path& path : traced)
+        if (path.in_the_way.size() == 1) alone.insert(path.in_the_way.begin(), path.in_the_way.end());
+    for (const int node : alone) {
+        if (!encloses_the_rest(tracer.scene(), node)) continue;
+        std::atomic<std::size_t> around = 0;
+        std::atomic<bool> lets_light_in = false;
+        for_each_index(traced.size(), [&](std::size_t i) {
+            const Path& path = traced[i];
+            RandomStream random(mix_bits(0xd03e, i));
+            if (lets_light_in || !is_around(tracer, node, path.start, random)) return;
+            ++around;
+            if (path.is_lit || (path.has_aimed && path.in_the_way.count(node) == 0)) lets_light_in = true;
+        });
+        if (!lets_light_in && static_cast<double>(around) >= least_around * paths_from_points) return ShutOut{"", node, is_dark};
+    }
     return {};
 }
 
@@ -199,8 +231,7 @@ std::optional<ShutOut> shut_in(const Tracer& tracer, std::span<const glm::vec3> 
             reach = infinity;
         }
     }
-    return ShutOut{fmt::format("the lamp \"{}\"", lamp.name),
-                   nodes.size() == 1 ? name_of_node(scene, *nodes.begin()) : ""};
+    return ShutOut{fmt::format("the lamp \"{}\"", lamp.name), nodes.size() == 1 ? *nodes.begin() : -1};
 }
 
 }  // namespace
@@ -210,35 +241,47 @@ std::vector<ShutOut> find_shut_out(const PathTracer& paths, std::span<const glm:
     const Tracer& tracer = paths.tracer();
     const Scene& scene = tracer.scene();
     if (points.empty() || tracer.triangle_count() == 0) return found;
-    const Box around = bounds_of_points(points);
+    const Box around = bounds_of(points);
     const Environment& sky = paths.environment();
-    if (!sky.is_black()) {
+    if (paths.estimators().sky) {
         const auto aim = [&](RandomStream& random) -> std::optional<Towards> {
             const glm::vec2 u = random.next2();
             const Environment::Sample sample = sky.sample({random.next(), u.x, u.y});
             if (!(sample.pdf > 0) || sample.radiance == glm::vec3(0)) return {};
             return Towards{sample.direction, infinity};
         };
-        const std::string mesh = mesh_before(tracer, points, around, aim, true);
-        if (!mesh.empty()) found.push_back({"the sky", mesh});
+        if (std::optional<ShutOut> out = shut_out_by(tracer, points, aim, true)) {
+            out->light = "the sky";
+            found.push_back(std::move(*out));
+        }
     }
     std::vector<std::optional<ShutOut>> lamps(scene.lights.size());
     for (std::size_t i = 0; i < scene.lights.size(); ++i) {
         const Light& light = scene.lights[i];
-        if (light.kind != LightKind::directional) continue;
+        if (light.kind != LightKind::directional || !shines(paths, i)) continue;
         const auto aim = [&](RandomStream&) { return std::optional(Towards{-light.direction, infinity}); };
-        const std::string mesh = mesh_before(tracer, points, around, aim, false);
-        if (!mesh.empty()) lamps[i] = ShutOut{fmt::format("the sun \"{}\"", light.name), mesh};
+        lamps[i] = shut_out_by(tracer, points, aim, false);
+        if (lamps[i]) lamps[i]->light = fmt::format("the sun \"{}\"", light.name);
     }
     for_each_index(scene.lights.size(), [&](std::size_t i) {
         const Light& light = scene.lights[i];
         Box place;
         place.extend(light.position);
-        if (light.kind != LightKind::directional && is_within(place, around)) lamps[i] = shut_in(tracer, points, light);
+        if (light.kind == LightKind::directional || !shines(paths, i) || !is_within(place, around)) return;
+        lamps[i] = shut_in(tracer, points, light);
     });
     for (std::optional<ShutOut>& lamp : lamps)
         if (lamp) found.push_back(std::move(*lamp));
     return found;
+}
+
+bool is_all_shut_out(const PathTracer& paths, std::span<const ShutOut> shut_out) {
+    if (paths.estimators().emitters) return false;
+    std::size_t shining = paths.estimators().sky ? 1 : 0;
+    for (std::size_t i = 0; i < paths.tracer().scene().lights.size(); ++i) shining += shines(paths, i) ? 1 : 0;
+    const bool all_by_meshes =
+        std::all_of(shut_out.begin(), shut_out.end(), [](const ShutOut& out) { return out.node >= 0; });
+    return shining > 0 && shut_out.size() == shining && all_by_meshes;
 }
 
 }  // namespace lightgrid

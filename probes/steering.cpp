@@ -29,6 +29,10 @@ constexpr double gathers_per_probe = 3;
 constexpr double first_share = 0.5;
 /// Of a gather for the bake itself.
 constexpr std::uint32_t most_samples = 1U << 20;
+/// At a list, each with as many rays as the last one asked for.
+constexpr int most_looks_at_list = 8;
+/// In a row that see no more noise than is wanted: where few rays meet what differs, one may have missed it.
+constexpr int looks_that_confirm = 2;
 /// Expected of a division where none has been made: between what smooth light (16) and an edge (2) give.
 constexpr double first_gain = 4;
 constexpr double least_gain = 1.5;
@@ -85,7 +89,7 @@ class Pilot {
         if (!volume_.has_cells() || slots.empty()) {
             if (options_.seconds) light_up(volume_, slots, samples_for(law_, 1, most_samples));
             const double goal = options_.target.seconds ? 0.0 : aimed_error(options_.target);
-            result_.samples = {samples_for(law_, goal, most_samples)};
+            result_.samples = {samples_for_list(goal)};
             result_.why_samples = fmt::format("for a noise of {} at the probes", rounded_percent(goal));
             return;
         }
@@ -135,6 +139,21 @@ class Pilot {
             points.emplace_back(gather_position(volume, slot) - paths_.tracer().scene().origin);
         }
         return points;
+    }
+
+    /// Two pilots with few rays may foretell too little for many: pilots with as many as they ask for look again. Where
+    /// one sees more noise than that, more rays are taken, as if it fell no faster than that of random rays.
+    std::uint32_t samples_for_list(double goal) {
+        std::uint32_t samples = samples_for(law_, goal, most_samples);
+        int confirmations = 0;
+        for (int look = 0; goal > 0 && look < most_looks_at_list && samples < most_samples; ++look) {
+            const double variance = variance_at(paths_, first_points_, rays_, samples,
+                                                mix_bits(mix_bits(options_.seed, check), look), result_.counts);
+            confirmations = variance <= goal * goal ? confirmations + 1 : 0;
+            if (confirmations == looks_that_confirm) break;
+            if (confirmations == 0) samples = samples_for({variance, samples, 1, law_.rays}, goal, most_samples);
+        }
+        return samples;
     }
 
     /// The pilot's own light of these probes.

@@ -286,13 +286,33 @@ std::string exact_pattern(const std::string& name) {
     return pattern;
 }
 
+std::string name_of_mesh(const Scene& scene, const ShutOut& shut_out) {
+    return shut_out.node < 0 ? "" : scene.node_names[static_cast<std::size_t>(shut_out.node)];
+}
+
 /// What tells the user of a light that brings nothing, and how to let it in.
-std::string shut_out_text(const ShutOut& shut_out, std::size_t probes) {
-    const std::string text = fmt::format("no light of {} was found at any of {} probes", shut_out.light, probes);
-    if (shut_out.mesh.empty()) return text;
-    const std::string pattern = exact_pattern(shut_out.mesh);
-    return fmt::format("{}: mesh \"{}\" is all around and stops it. Where it should not, --ignore {} leaves it out",
-                       text, shut_out.mesh, quoted(pattern));
+std::string shut_out_text(const ShutOut& shut_out, const Scene& scene, std::size_t probes) {
+    const std::string nowhere = fmt::format("no light of {} was found at any", shut_out.light);
+    if (shut_out.node < 0) return fmt::format("{} of {} probes", nowhere, probes);
+    const std::string name = name_of_mesh(scene, shut_out);
+    const std::string mesh =
+        name.empty() ? fmt::format("the mesh of node {}", shut_out.node) : fmt::format("mesh \"{}\"", name);
+    const std::string what = shut_out.from_all_points
+                                 ? fmt::format("{} of {} probes: {} is all around and stops it", nowhere, probes, mesh)
+                                 : fmt::format("{} probe within {}, which is all around and stops it", nowhere, mesh);
+    if (name.empty()) return what + ". Where it should not, give the node a name, and --ignore leaves it out";
+    return fmt::format("{}. Where it should not, --ignore {} leaves it out", what, quoted(exact_pattern(name)));
+}
+
+nlohmann::json shut_out_json(const std::vector<ShutOut>& shut_out, const Scene& scene) {
+    nlohmann::json list = nlohmann::json::array();
+    for (const ShutOut& out : shut_out) {
+        list.push_back({{"light", out.light},
+                        {"mesh", name_of_mesh(scene, out)},
+                        {"node", out.node < 0 ? nlohmann::json() : nlohmann::json(out.node)},
+                        {"from_all_points", out.from_all_points}});
+    }
+    return list;
 }
 
 std::string command_line(int argc, char** argv) {
@@ -336,13 +356,16 @@ std::string unit_hint_text(const UnitHint& hint) {
         hint.evidence, hint.unit, hint.metres_per_unit);
 }
 
-void print_notices(const Messages& messages, const std::vector<std::string>& notices) {
-    constexpr std::size_t most = 6;  // so that a bake of a level full of oddities still fits on a screen
-    const std::size_t told = messages.verbose() || notices.size() <= most ? notices.size() : most - 1;
-    for (const std::string& notice : std::span(notices).first(told)) messages.notice(notice);
-    if (told < notices.size()) {
-        messages.notice(fmt::format("and {} more like these: --verbose lists them", notices.size() - told));
-    }
+/// A bake of a level full of oddities still fits on a screen.
+///
+/// print  messages.notice or messages.warning
+void print_some(const Messages& messages, const std::vector<std::string>& texts,
+                void (Messages::*print)(const std::string&) const) {
+    constexpr std::size_t most = 6;
+    const std::size_t told = messages.verbose() || texts.size() <= most ? texts.size() : most - 1;
+    for (const std::string& text : std::span(texts).first(told)) (messages.*print)(text);
+    if (told < texts.size())
+        (messages.*print)(fmt::format("and {} more like these: --verbose lists them", texts.size() - told));
 }
 
 Scene empty_scene() {
@@ -392,8 +415,8 @@ int bake(const Call& call) {
     std::optional<PathTracer> under_sky;
     if (choice.sky && light.environment.is_black()) under_sky.emplace(tracer, sky_to_come);
     stages.push_back({"build", watch.lap(), 0});
-    print_notices(messages, light.notices);
-    print_notices(messages, scene.notices);
+    print_some(messages, light.notices, &Messages::notice);
+    print_some(messages, scene.notices, &Messages::notice);
     if (!call.level_options.scale) {
         if (const std::optional<UnitHint> hint = find_unit_hint(tracer)) messages.notice(unit_hint_text(*hint));
     }
@@ -424,7 +447,9 @@ int bake(const Call& call) {
                         call.keep_transport, kept->made.patches, kept->light.sources.count));
     }
     plan.shut_out = find_shut_out(paths, plan.points);
-    for (const ShutOut& out : plan.shut_out) messages.warning(shut_out_text(out, plan.points.size()));
+    std::vector<std::string> warnings;
+    for (const ShutOut& out : plan.shut_out) warnings.push_back(shut_out_text(out, scene, plan.points.size()));
+    print_some(messages, warnings, &Messages::warning);
     if (plan.placement.valid + plan.placement.moved == 0) {
         messages.warning("no probe is valid: all are inside solids. Check the level's winding, or give a --volume");
     }
@@ -444,8 +469,7 @@ int bake(const Call& call) {
 
     const std::string date = fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)));
     nlohmann::json report = bake_report(tracer, plan, result, options, {call.command, date, output, this_machine()});
-    report["shut_out"] = nlohmann::json::array();
-    for (const ShutOut& out : plan.shut_out) report["shut_out"].push_back({{"light", out.light}, {"mesh", out.mesh}});
+    report["shut_out"] = shut_out_json(plan.shut_out, scene);
     if (!call.report_json.empty()) write_whole_file(call.report_json, report.dump(2) + "\n");
     if (!call.report.empty()) {
         const auto slices = draw_report_slices(report, result.volume, tracer, light.environment);
@@ -459,7 +483,8 @@ int bake(const Call& call) {
                                     call.keep_transport));
     }
     if (call.json) print(report.dump(2) + "\n");
-    return call.target.strict && !result.verdict.target_met.value_or(scene.missing_textures.empty()) ? 1 : 0;
+    const bool is_missed = !result.verdict.is_judged || !result.verdict.target_met.value_or(true);
+    return call.target.strict && is_missed ? 1 : 0;
 }
 
 }  // namespace

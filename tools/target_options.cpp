@@ -68,7 +68,8 @@ void add_target_options(CLI::App& app, TargetOptions& options) {
         ->type_name("N")
         ->check(number(1, most_samples, true))
         ->group(group);
-    app.add_flag("--strict", options.strict, "Exit status 1 where the error that was asked for is not reached")
+    app.add_flag("--strict", options.strict,
+                 "Exit status 1 where the error that was asked for is not reached or cannot be judged")
         ->group(group);
 }
 

@@ -213,7 +213,8 @@ TEST_F(LevelBake, NamesAMeshThatKeepsTheSunFromAllProbes) {
                         "and stops it. Where it should not, --ignore 'my dome\\*' leaves it out"),
         std::string::npos)
         << result.err;
-    const nlohmann::json shut_out{{{"light", "the sun \"Sun\""}, {"mesh", "my dome*"}}};
+    const nlohmann::json shut_out{
+        {{"light", "the sun \"Sun\""}, {"mesh", "my dome*"}, {"node", 2}, {"from_all_points", true}}};
     EXPECT_EQ(nlohmann::json::parse(result.out).at("shut_out"), shut_out);
     EXPECT_EQ(json(bake + " --ignore 'my dome\\*'").at("shut_out"), nlohmann::json::array());
 }

@@ -113,6 +113,23 @@ TEST(Bake, HeadroomIsInMetresWhateverTheLevelsUnit) {
     EXPECT_NEAR(top(100, 0.01), 50, 1e-3) << "a quarter of the width";
 }
 
+TEST(Bake, AListMeetsItsErrorWhereFewRaysFindWhatDiffers) {
+    // A far box under a sky: pilots with few rays hardly meet it.
+    Scene scene;
+    add_box(scene, add_grey(scene, 0.5F), {50, 50, 50}, {51, 51, 51}, Facing::outward);
+    const TracedLevel level(std::move(scene), Environment::uniform({0.2F, 0.5F, 1.7F}));
+    for (const double error : {0.05, 0.02, 0.005, 0.001}) {
+        for (const std::uint64_t seed : {0, 1, 2, 3}) {
+            BakeOptions options;
+            options.probes = {{0, 0, 0}, {1, 2, 3}, {-4, 0, 2}};
+            options.target.error = error;
+            options.seed = seed;
+            const BakeResult result = run_bake(level.paths, plan_bake(level.paths, options), options);
+            EXPECT_EQ(result.verdict.target_met, true) << error << ", seed " << seed << ": " << result.verdict.sentence;
+        }
+    }
+}
+
 TEST(Bake, SaysWhyItIsSlowAndHowToGetAFirstLook) {
     BakePlan plan;
     plan.seconds_estimate = 599;

@@ -48,8 +48,9 @@ class Yard {
     void add_sun() { add_light("Sun", {{"type", "directional"}, {"intensity", 1e5}}, {0, 5, 0}); }
     void add_lamp(glm::dvec3 at) { add_light("Bulb", {{"type", "point"}, {"intensity", 100}}, at); }
 
-    /// "the sun: dome; ", for probes in the yard.
-    [[nodiscard]] std::string shut_out(const Environment& environment = {}) const {
+    /// "the sun: dome; ", for probes in the yard and `more`; "the sun: dome, all; " where is_all_shut_out.
+    [[nodiscard]] std::string shut_out(const Environment& environment = {},
+                                       const std::vector<glm::dvec3>& more = {}) const {
         const TemporaryFolder folder;
         write_bytes(folder.path() / "level.gltf", builder_.finished().dump());
         const Scene scene = load_level(folder.path() / "level.gltf");
@@ -60,9 +61,14 @@ class Yard {
             for (int z = -4; z <= 4; ++z)
                 for (int y = 0; y < 3; ++y)
                     points.emplace_back(glm::dvec3(2 * x + 0.3, 2 * y + 1.1, 2 * z + 0.2) - scene.origin);
-        std::string found;
-        for (const ShutOut& out : find_shut_out(paths, points)) found += out.light + ": " + out.mesh + "; ";
-        return found;
+        for (const glm::dvec3& point : more) points.emplace_back(point - scene.origin);
+        std::string text;
+        const std::vector<ShutOut> found = find_shut_out(paths, points);
+        for (const ShutOut& out : found) {
+            const std::string mesh = out.node < 0 ? "no mesh" : scene.node_names[static_cast<std::size_t>(out.node)];
+            text += out.light + ": " + mesh + (out.from_all_points ? "; " : ", but not from all; ");
+        }
+        return text + (is_all_shut_out(paths, found) ? "all" : "");
     }
 
   private:
@@ -79,12 +85,36 @@ TEST(ShutOut, ADomeRoundTheLevelIsNamedForSunAndSky) {
     Yard full = open;
     full.add_box("dome", {-300, -300, -300}, {300, 300, 300});
     full.add_box("crate", {-2, 3, -2}, {2, 5, 2});
-    EXPECT_EQ(full.shut_out(sky), "the sky: dome; the sun \"Sun\": dome; ");
-    EXPECT_EQ(full.shut_out(), "the sun \"Sun\": dome; ");
+    EXPECT_EQ(full.shut_out(sky), "the sky: dome; the sun \"Sun\": dome; all");
+    EXPECT_EQ(full.shut_out(), "the sun \"Sun\": dome; all");
     // A dome that ends at the horizon: below it the ground is in the way.
     Yard half = open;
     half.add_box("dome", {-20, -0.1, -20}, {20, 300, 20});
-    EXPECT_EQ(half.shut_out(sky), "the sky: dome; the sun \"Sun\": dome; ");
+    EXPECT_EQ(half.shut_out(sky), "the sky: dome; the sun \"Sun\": dome; all");
+}
+
+TEST(ShutOut, ADomeIsNamedThoughProbesInTheCornersRoundItAreLit) {
+    Yard yard;
+    yard.add_sun();
+    yard.add_box("dome", {-12, -12, -12}, {12, 12, 12});
+    const std::vector<glm::dvec3> corners{{13, 1, 13}, {-13, 1, 13}, {13, 1, -13}, {-13, 1, -13}};
+    EXPECT_EQ(yard.shut_out({}, corners), "the sun \"Sun\": dome, but not from all; all");
+    yard.add_lamp({1, 3, 1});
+    EXPECT_EQ(yard.shut_out({}, corners), "the sun \"Sun\": dome, but not from all; ") << "the lamp lights the yard";
+}
+
+TEST(ShutOut, AHouseInALargerLevelIsAllowedToBeDark) {
+    Yard street;
+    street.add_sun();
+    street.add_box("house", {-9, 0.01, -9}, {9, 8, 9});
+    EXPECT_EQ(street.shut_out(), "") << "the yard reaches beyond it";
+}
+
+TEST(ShutOut, AMeshWithoutANameIsNamedByItsNode) {
+    Yard yard;
+    yard.add_lamp({1, 3, 1});
+    yard.add_box("", {0.8, 2.8, 0.8}, {1.2, 3.2, 1.2});
+    EXPECT_EQ(yard.shut_out(), "the lamp \"Bulb\": ; all");
 }
 
 TEST(ShutOut, LightThatComesInByAHoleOrASurfaceIsNotShutOut) {
@@ -113,7 +143,7 @@ TEST(ShutOut, ALampWithinAClosedMeshIsNamedWithIt) {
     EXPECT_EQ(yard.shut_out(), "");
     Yard closed = yard;
     closed.add_box("shade", {0.8, 2.8, 0.8}, {1.2, 3.2, 1.2});
-    EXPECT_EQ(closed.shut_out(), "the lamp \"Bulb\": shade; ");
+    EXPECT_EQ(closed.shut_out(), "the lamp \"Bulb\": shade; all");
     Yard open = yard;
     open.add_box("shade", {0.8, 2.8, 0.8}, {1.2, 3.2, 1.2}, true);
     EXPECT_EQ(open.shut_out(), "") << "its upper side is open";

@@ -52,6 +52,7 @@ TEST(Verdict, WithMissingTexturesNothingIsJudged) {
     evidence.missing_textures = 1;
     const Verdict one = judge({{}, 0.02, {}}, evidence);
     EXPECT_FALSE(one.target_met.has_value());
+    EXPECT_FALSE(one.is_judged);
     EXPECT_EQ(one.sentence, "not judged: 1 texture missing");
     evidence.missing_textures = 3;
     EXPECT_EQ(judge({}, evidence).sentence, "not judged: 3 textures missing");
@@ -59,6 +60,27 @@ TEST(Verdict, WithMissingTexturesNothingIsJudged) {
     evidence.is_black = true;
     evidence.is_tested = false;
     EXPECT_EQ(judge({}, evidence).target_met, false) << "light that nothing asked for is missing whatever else is";
+}
+
+TEST(Verdict, NothingIsJudgedWhereEveryLightIsKeptFromTheLevel) {
+    ErrorReport error;
+    error.total = part(0.01, 0.011);
+    error.without_bands = error.total;
+    Evidence evidence{&error, 0, 1234};
+    evidence.is_shut_out = true;
+    EXPECT_EQ(judge({}, evidence).target_met, true) << "other lights shine";
+    EXPECT_TRUE(judge({}, evidence).is_judged);
+    evidence.is_all_shut_out = true;
+    EXPECT_FALSE(judge({}, evidence).target_met) << "what light there is, is outside of the mesh";
+    EXPECT_FALSE(judge({}, evidence).is_judged);
+    EXPECT_EQ(judge({}, evidence).sentence, "not judged: every light is kept from the level");
+}
+
+TEST(Verdict, DigitsTellAnErrorFromWhatWasWanted) {
+    const Target target{{}, 0.02, {}};
+    EXPECT_EQ(judge(target, {nullptr, 0.02004}).sentence, "target not reached: noise 2.004 % of 2 %");
+    EXPECT_EQ(judge(target, {nullptr, 0.01996}).sentence, "target met: noise 1.996 % of 2 %");
+    EXPECT_EQ(judge(target, {nullptr, 0.0203}).sentence, "target not reached: noise 2.03 % of 2 %");
 }
 
 TEST(Verdict, NamesThePartsThatAreInTheWay) {
@@ -85,6 +107,7 @@ TEST(Verdict, DarknessIsNoEvidenceWhereALightWasNeverTested) {
     EXPECT_EQ(judge({}, evidence).sentence, "all is dark: rays to every light were stopped at each of 1234 points");
     evidence.is_shut_out = true;
     EXPECT_FALSE(judge({}, evidence).target_met) << "one mesh in the way may be a mistake";
+    EXPECT_FALSE(judge({}, evidence).is_judged);
     evidence.has_light = false;
     EXPECT_FALSE(judge({}, evidence).target_met);
     EXPECT_EQ(judge({}, evidence).sentence, "not judged: nothing shines, all is black");
