@@ -3,7 +3,6 @@
 #include "core/parallel.h"
 #include "core/sampling.h"
 #include "core/scene.h"
-#include "core/sh.h"
 
 #include <array>
 #include <cmath>
@@ -137,23 +136,6 @@ View render(const LitLevel& level, const Camera& camera, glm::ivec2 size, int sa
         }
     });
     return view;
-}
-
-std::vector<glm::vec3> environment_sh(const Environment& environment, int bands) {
-    constexpr int samples = 1 << 14;
-    std::vector<double> basis(sh_size(bands));
-    std::vector<glm::dvec3> sums(sh_size(bands), glm::dvec3(0));
-    for (int i = 0; i < samples; ++i) {
-        const auto index = static_cast<std::uint32_t>(i);
-        const glm::vec3 u(sobol_point(index, 1).x, sobol_point(index, 0));
-        const Environment::Sample sample = environment.sample(u);
-        if (!(sample.pdf > 0)) continue;
-        sh_basis(bands, glm::normalize(glm::dvec3(sample.direction)), basis);
-        for (std::size_t k = 0; k < sums.size(); ++k) {
-            sums[k] += glm::dvec3(sample.radiance) * (basis[k] / (samples * static_cast<double>(sample.pdf)));
-        }
-    }
-    return {sums.begin(), sums.end()};
 }
 
 glm::vec3 mean_irradiance(const Sampler& sampler, glm::dvec3 position) {

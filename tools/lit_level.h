@@ -21,9 +21,6 @@ struct LitLevel {
     SampleOptions look_up;
 };
 
-/// Coefficients of an environment that nothing hides, for what is outside of a volume.
-[[nodiscard]] std::vector<glm::vec3> environment_sh(const Environment& environment, int bands);
-
 /// Everything on the side of the plane that `normal` points to is cut away: dot(normal, p) > offset, level coordinates.
 struct Cut {
     glm::dvec3 normal{0, 1, 0};

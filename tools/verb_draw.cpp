@@ -14,7 +14,6 @@
 
 #include <filesystem>
 #include <system_error>
-#include <vector>
 
 namespace lightgrid {
 namespace {
@@ -56,12 +55,8 @@ void run_draw(const DrawOptions& options) {
     const Tracer tracer(scene);
     const Sampler sampler(volume);
     const double spacing = finest_spacing(volume);
-    const std::vector<glm::vec3> sky = environment_sh(light.environment, volume.bands);
     const double normal_bias = options.normal_bias ? *options.normal_bias / scene.metres_per_unit : 0.3 * spacing;
-    const SampleOptions look_up{.normal_bias = static_cast<float>(normal_bias),
-                                .outside = Outside::fade,
-                                .fade_distance = static_cast<float>(4 * spacing),
-                                .environment = sky};
+    const SampleOptions look_up{.normal_bias = static_cast<float>(normal_bias)};
     const LitLevel level{&tracer, &sampler, &light.environment, look_up};
 
     const std::string chart =

@@ -403,6 +403,46 @@ TEST_F(LevelBake, TheOnlyLightBeingOutOfSightIsNotATargetMet) {
     EXPECT_EQ(report["target"]["verdict"], "not judged: nothing shines, all is black");
 }
 
+TEST_F(LevelBake, ALitWindowInADarkFacadeIsNotMissed) {
+    // A facade of 16 x 16 m, all black but 2 x 2 of its 512 x 512 texels.
+    constexpr int texels = 512;
+    constexpr float radiance = 1e5F;
+    ByteImage image{texels, texels, std::vector<glm::u8vec4>(std::size_t{texels} * texels, glm::u8vec4(0, 0, 0, 255))};
+    for (const glm::ivec2 lit : {glm::ivec2(351, 167), {352, 167}, {351, 168}, {352, 168}})
+        image.at(lit.x, lit.y) = glm::u8vec4(255);
+    GltfBuilder gltf;
+    gltf.use("KHR_materials_emissive_strength");
+    gltf.add("samplers", {{"magFilter", 9728}, {"minFilter", 9728}});
+    const int texture = gltf.texture(image, {{"sampler", 0}});
+    gltf.add("materials",
+             {{"pbrMetallicRoughness", {{"baseColorFactor", {0, 0, 0, 1}}}},
+              {"emissiveFactor", {1, 1, 1}},
+              {"emissiveTexture", {{"index", texture}}},
+              {"extensions", {{"KHR_materials_emissive_strength", {{"emissiveStrength", radiance}}}}}});
+    const int positions = gltf.vec3s({{-8, 0, 0}, {8, 0, 0}, {8, 16, 0}, {-8, 16, 0}});
+    const int coordinates = gltf.vec2s({{0, 1}, {1, 1}, {1, 0}, {0, 0}});
+    gltf.node({{"mesh", gltf.mesh({{"attributes", {{"POSITION", positions}, {"TEXCOORD_0", coordinates}}},
+                                   {"material", 0},
+                                   {"indices", gltf.indices({0, 1, 2, 0, 2, 3})}})}});
+    write("facade.glb", gltf.glb());
+    // The window's centre is at 352 / 512 of the width from the left, and 168 / 512 of the height from above: (3, 10.75, 0).
+    const Result baked = run("facade.glb --volume 2,9.75,4,4,11.75,6 --report-json r.json -o v.exr");
+    ASSERT_EQ(baked.status, 0) << baked.err;
+    EXPECT_EQ(baked.err.find("no light"), std::string::npos) << baked.err;
+    EXPECT_EQ(baked.err.find("no surface emits"), std::string::npos) << baked.err;
+    write("p.csv", "x,y,z,nx,ny,nz\n3,10.75,5,0,0,-1\n");
+    const auto irradiance = [&](const std::string& call) {
+        const Result result = shell(fmt::format("{} {} --points p.csv | tail -n 1 | cut -d, -f7", LIGHTGRID_PROGRAM, call));
+        EXPECT_EQ(result.status, 0) << result.err;
+        return std::stod(result.out);
+    };
+    const double side = 2 * 16.0 / texels;
+    const double exact = radiance * side * side / (5 * 5);
+    EXPECT_NEAR(irradiance("reference facade.glb --samples 256"), exact, 0.01 * exact);
+    // Three bands of a distant light peak at 17/16 of it.
+    EXPECT_NEAR(irradiance("query v.exr"), 1.0625 * exact, 0.03 * exact);
+}
+
 TEST_F(LevelBake, AdviceOfTheReportIsAccepted) {
     // A limit that half the spacing does not fit, and grids that are refined.
     for (const auto& [fixed, instead] :

@@ -132,13 +132,6 @@ TEST(LitLevel, MeanIrradianceOfUniformLightIsPi) {
     EXPECT_NEAR(mean_irradiance(Sampler(floor.volume), {0.3, 0.7, -0.4}).g, std::numbers::pi, 1e-5);
 }
 
-TEST(LitLevel, EnvironmentCoefficientsOfUniformSky) {
-    const std::vector<glm::vec3> sh = environment_sh(Environment::uniform({1, 2, 4}), 3);
-    ASSERT_EQ(sh.size(), 9U);
-    EXPECT_NEAR(sh[0].b, 8 * std::sqrt(std::numbers::pi), 1e-4);
-    for (std::size_t i = 1; i < 9; ++i) EXPECT_NEAR(sh[i].r, 0, 1e-3) << "coefficient " << i;
-}
-
 TEST(LitLevel, ToneMapKeepsOrderWithinTheDisplay) {
     float last = -1;
     for (float radiance = 0; radiance < 100; radiance = radiance * 1.2F + 1e-4F) {
