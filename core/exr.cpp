@@ -1,6 +1,7 @@
 #include "core/exr.h"
 
 #include "core/error.h"
+#include "core/near_names.h"
 
 #include <ImfChannelList.h>
 #include <ImfChromaticities.h>
@@ -17,7 +18,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <iterator>
 #include <map>
@@ -36,11 +36,6 @@ struct Color {
     std::array<std::string, 3> names;  // of R, G, B; three times the same for luminance
     bool chroma = false;               // luminance and chroma, at lower resolution
 };
-
-std::string lower_case(std::string text) {
-    std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-    return text;
-}
 
 /// All layers of a part that have colour, by name.
 std::vector<Color> find_colors(const Imf::ChannelList& channels) {

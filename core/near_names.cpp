@@ -4,15 +4,12 @@
 #include <utility>
 
 namespace lightgrid {
-namespace {
 
-std::string in_lower_case(std::string text) {
+std::string lower_case(std::string text) {
     for (char& c : text)
         if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
     return text;
 }
-
-}  // namespace
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {
     std::vector<std::vector<std::size_t>> edits(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
@@ -34,11 +31,11 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 std::vector<std::string> nearest_names(const std::string& wrong, std::vector<std::string> known, std::size_t count) {
     std::sort(known.begin(), known.end());
     known.erase(std::unique(known.begin(), known.end()), known.end());
-    const std::string wanted = in_lower_case(wrong);
+    const std::string wanted = lower_case(wrong);
     std::vector<std::pair<std::size_t, std::string>> by_distance;
     by_distance.reserve(known.size());
     for (std::string& name : known) {
-        const std::size_t distance = edit_distance(wanted, in_lower_case(name));
+        const std::size_t distance = edit_distance(wanted, lower_case(name));
         by_distance.emplace_back(distance, std::move(name));
     }
     const std::size_t kept = std::min(count, by_distance.size());

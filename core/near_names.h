@@ -5,8 +5,11 @@
 #include <string_view>
 #include <vector>
 
-/// What a mistyped name may have meant.
+/// Names that differ by little: by case, or by what a hand mistypes.
 namespace lightgrid {
+
+/// Of the letters A to Z; the bytes of other letters stay as they are.
+[[nodiscard]] std::string lower_case(std::string text);
 
 /// Insertions, deletions, replacements and swaps of neighbours that turn a into b (optimal string alignment distance).
 [[nodiscard]] std::size_t edit_distance(std::string_view a, std::string_view b);

@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "core/gltf.h"
+#include "core/near_names.h"
 #include "core/parallel.h"
 #include "core/sh.h"
 #include "core/stopwatch.h"
@@ -27,7 +28,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cstring>
 #include <ctime>
 #include <filesystem>
@@ -245,8 +245,7 @@ void check_output(const fs::path& file, const Call& call) {
 
 /// A name that promises another kind of file would be opened by what cannot read it.
 void check_volume_name(const fs::path& file) {
-    std::string ending = file.extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+    const std::string ending = lower_case(file.extension().string());
     if (ending.empty() || ending == ".exr") return;
     throw Error(fmt::format("a volume is an OpenEXR file, not a {} file", ending), file.string(),
                 fmt::format("Name it {}.", fs::path(file).replace_extension(".probes.exr").string()));
@@ -415,11 +414,11 @@ int bake(const Call& call) {
     std::optional<PathTracer> under_sky;
     if (choice.sky && light.environment.is_black()) under_sky.emplace(tracer, sky_to_come);
     stages.push_back({"build", watch.lap(), 0});
+    const std::optional<UnitHint> hint = call.level_options.scale ? std::nullopt : find_unit_hint(tracer);
+    stages.push_back({"hints", watch.lap(), 0});
     print_some(messages, light.notices, &Messages::notice);
     print_some(messages, scene.notices, &Messages::notice);
-    if (!call.level_options.scale) {
-        if (const std::optional<UnitHint> hint = find_unit_hint(tracer)) messages.notice(unit_hint_text(*hint));
-    }
+    if (hint) messages.notice(unit_hint_text(*hint));
     if (!has_light(paths) && choice.sky) {
         messages.notice("there is no light but that of skies to come: the combined light will be black");
     } else if (!has_light(paths)) {
@@ -446,7 +445,9 @@ int bake(const Call& call) {
                         "moved is traced",
                         call.keep_transport, kept->made.patches, kept->light.sources.count));
     }
+    watch.lap();
     plan.shut_out = find_shut_out(paths, plan.points);
+    plan.stages.push_back({"lights", watch.lap(), 0});
     std::vector<std::string> warnings;
     for (const ShutOut& out : plan.shut_out) warnings.push_back(shut_out_text(out, scene, plan.points.size()));
     print_some(messages, warnings, &Messages::warning);

@@ -26,8 +26,26 @@ bool is_any(const T&) {
     return true;
 }
 
+bool is_scene(const int& index) {
+    return index >= 0;
+}
+
+bool is_albedo(const double& albedo) {
+    return albedo >= 0 && albedo <= 1;
+}
+
 bool is_scale(const double& scale) {
     return scale >= least_scale && scale <= most_scale;
+}
+
+std::optional<MissingTextures> missing_textures_of(const std::string& name) {
+    if (name == "warn") return MissingTextures::warn;
+    if (name == "error") return MissingTextures::error;
+    return {};
+}
+
+bool is_missing_textures(const std::string& name) {
+    return missing_textures_of(name).has_value();
 }
 
 /// Reads a setting into `value` where it is there and `value` was not given. Settings are written as JSON.
@@ -46,9 +64,9 @@ void read(const Volume& volume, const char* name, std::optional<T>& value, bool 
 }
 
 MissingTextures parse_missing_textures(const std::string& name) {
-    if (name == "warn") return MissingTextures::warn;
-    if (name == "error") return MissingTextures::error;
-    throw Error(fmt::format("{} is not known: there are warn and error", name));
+    const std::optional<MissingTextures> known = missing_textures_of(name);
+    if (!known) throw Error(fmt::format("{} is not known: there are warn and error", name));
+    return *known;
 }
 
 }  // namespace
@@ -128,10 +146,10 @@ void record(const LevelOptions& options, Volume& volume) {
 }
 
 LevelOptions with_recorded(LevelOptions given, const Volume& volume) {
-    read(volume, scene_setting, given.scene);
+    read(volume, scene_setting, given.scene, is_scene);
     read(volume, ignore_setting, given.ignore);
-    read(volume, default_albedo_setting, given.default_albedo);
-    read(volume, missing_textures_setting, given.missing_textures);
+    read(volume, default_albedo_setting, given.default_albedo, is_albedo);
+    read(volume, missing_textures_setting, given.missing_textures, is_missing_textures);
     read(volume, scale_setting, given.scale, is_scale);
     return given;
 }

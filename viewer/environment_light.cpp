@@ -1,6 +1,7 @@
 #include "viewer/environment_light.h"
 
 #include "core/environment_sh.h"
+#include "core/near_names.h"
 #include "core/sampling.h"
 #include "core/sh.h"
 
@@ -8,7 +9,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -19,9 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 bool is_radiance_file(const fs::path& file) {
-    std::string extension = file.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    const std::string extension = lower_case(file.extension().string());
     return extension == ".hdr" || extension == ".exr";
 }
 

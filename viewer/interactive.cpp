@@ -1,6 +1,7 @@
 #include "viewer/interactive.h"
 
 #include "core/error.h"
+#include "core/near_names.h"
 #include "viewer/background_object.h"
 #include "viewer/overlay.h"
 #include "viewer/session.h"
@@ -10,7 +11,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -33,10 +33,7 @@ fs::path unused_name(const std::string& stem, const std::string& extension) {
 }
 
 std::string extension_of(const fs::path& file) {
-    std::string extension = file.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return extension;
+    return lower_case(file.extension().string());
 }
 
 /// 1 m large.

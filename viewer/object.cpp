@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "core/gltf.h"
+#include "core/near_names.h"
 #include "viewer/normals.h"
 #include "viewer/obj.h"
 
@@ -107,10 +108,7 @@ void add_draw(int material, const Soup& soup, ObjectMesh& object) {
 }
 
 bool is_obj(const fs::path& path) {
-    std::string extension = path.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return extension == ".obj";
+    return lower_case(path.extension().string()) == ".obj";
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <set>
@@ -252,6 +253,28 @@ std::array<TextureUse*, 3> texture_uses(Material& material) {
     return {&material.base_color_texture, &material.transmission_texture, &material.emission_texture};
 }
 
+/// The first problem of each image, whatever samplers its textures have.
+std::map<std::string, const Error*> by_image(const std::map<int, Error>& problems) {
+    std::map<std::string, const Error*> found;
+    for (const auto& [texture, problem] : problems) found.emplace(problem.where(), &problem);
+    return found;
+}
+
+/// All that are missing, the first with what is wrong with it.
+Error refusal_of(const std::map<int, Error>& problems) {
+    constexpr std::size_t most_named = 5;
+    const std::map<std::string, const Error*> images = by_image(problems);
+    const Error& first = *images.begin()->second;
+    if (images.size() == 1) return first;
+    std::vector<std::string> others;
+    for (auto image = std::next(images.begin()); image != images.end() && others.size() < most_named; ++image)
+        others.push_back(image->first);
+    if (images.size() - 1 > others.size())
+        others.push_back(fmt::format("{} more", images.size() - 1 - others.size()));
+    return Error(fmt::format("{}; also missing: {}", first.problem(), fmt::join(others, ", ")), first.where(),
+                 "Put the files there, or take --missing-textures warn.");
+}
+
 /// Takes the missing ones out of scene.textures and of the materials that read them.
 ///
 /// problems  by index in scene.textures
@@ -259,23 +282,35 @@ void leave_out_missing(const std::map<int, Error>& problems, const LoadedMateria
                        Notices& notices) {
     constexpr std::array what = {"its base colour is the factor, opaque", "it transmits by the factor alone",
                                  "it emits nothing"};
-    std::map<int, std::string> effects;  // by texture: on which material, and which
+    struct Effect {
+        std::string on;  // the first material
+        std::size_t more = 0;
+    };
+    std::map<std::string, std::array<Effect, what.size()>> effects;  // by image
     for (std::size_t m = 0; m < scene.materials.size(); ++m) {
-        const std::array<TextureUse*, 3> uses = texture_uses(scene.materials[m]);
+        const std::array<TextureUse*, what.size()> uses = texture_uses(scene.materials[m]);
         for (std::size_t i = 0; i < uses.size(); ++i) {
-            if (!problems.contains(uses[i]->texture)) continue;
-            std::string& effect = effects[uses[i]->texture];
-            if (effect.empty()) effect = fmt::format("{}: {}", loaded.names[m], what[i]);
+            const auto problem = problems.find(uses[i]->texture);
+            if (problem == problems.end()) continue;
+            Effect& effect = effects[problem->second.where()][i];
+            if (effect.on.empty())
+                effect.on = loaded.names[m];
+            else
+                ++effect.more;
             leave_out_texture(scene.materials[m], *uses[i]);
             *uses[i] = {};
         }
     }
-    std::set<std::string> named;
-    for (const auto& [texture, problem] : problems) {
-        if (!named.insert(problem.where()).second) continue;  // the same image with another sampler
-        scene.missing_textures.push_back(problem.where());
-        notices.add("",
-                    fmt::format("missing texture: {}: {}; {}", problem.where(), problem.problem(), effects[texture]));
+    for (const auto& [image, problem] : by_image(problems)) {
+        scene.missing_textures.push_back(image);
+        std::string text = fmt::format("missing texture: {}: {}", image, problem->problem());
+        for (std::size_t i = 0; i < what.size(); ++i) {
+            const Effect& effect = effects[image][i];
+            if (effect.on.empty()) continue;
+            const std::string more = effect.more > 0 ? fmt::format(" and {} more", effect.more) : "";
+            text += fmt::format("; {}{}: {}", effect.on, more, what[i]);
+        }
+        notices.add("", text);
     }
 
     std::vector<int> indices(scene.textures.size(), -1);
@@ -365,7 +400,7 @@ LoadedMaterials load_materials(const Document& document, const std::set<Material
     std::map<int, Error> problems = reader.broken();
     scene.textures = decode_textures(document, reader.textures(), problems);
     if (problems.empty()) return loaded;
-    if (options.missing_textures == MissingTextures::error) throw problems.begin()->second;
+    if (options.missing_textures == MissingTextures::error) throw refusal_of(problems);
     leave_out_missing(problems, loaded, scene, notices);
     return loaded;
 }

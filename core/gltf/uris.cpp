@@ -1,5 +1,7 @@
 #include "core/gltf/uris.h"
 
+#include "core/near_names.h"
+
 #include <algorithm>
 #include <optional>
 #include <system_error>
@@ -18,15 +20,6 @@ int hex_digit(char c) {
 
 bool is_letter(char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
-}
-
-char lower(char c) {
-    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-}
-
-std::string lower_case(std::string text) {
-    std::transform(text.begin(), text.end(), text.begin(), lower);
-    return text;
 }
 
 /// The letters before the first colon, where it comes before any slash.

@@ -873,6 +873,27 @@ TEST(Gltf, AMissingImageOfSeveralTexturesIsNamedOnce) {
     EXPECT_EQ(scene.missing_textures.size(), 1U);
     EXPECT_TRUE(scene.textures.empty());
     EXPECT_FALSE(scene.materials.at(0).emits());
+    EXPECT_TRUE(contains(joined(scene.notices),
+                         "; material 0: its base colour is the factor, opaque; material 0: it emits nothing"))
+        << joined(scene.notices);
+}
+
+TEST(Gltf, ARefusalForMissingTexturesNamesAllImages) {
+    GltfBuilder builder = with_material({{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}},
+                                         {"emissiveFactor", {1, 1, 1}},
+                                         {"emissiveTexture", {{"index", 1}}}});
+    for (const char* uri : {"a.png", "b.png"}) builder.add("textures", {{"source", builder.add("images", {{"uri", uri}})}});
+    const TemporaryFolder folder;
+    write_bytes(folder.path() / "level.gltf", builder.finished().dump());
+    LoadOptions options;
+    options.missing_textures = MissingTextures::error;
+    try {
+        static_cast<void>(load_level(folder.path() / "level.gltf", options));
+        ADD_FAILURE();
+    } catch (const Error& error) {
+        EXPECT_TRUE(contains(error.what(), "image 0")) << error.what();
+        EXPECT_TRUE(contains(error.what(), "also missing: image 1")) << error.what();
+    }
 }
 
 TEST(Gltf, WebpTakesTheImageOfItsExtension) {

@@ -1,8 +1,8 @@
 #include "tools/level_options.h"
 
 #include "core/error.h"
-#include "core/near_names.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -64,26 +64,20 @@ TEST(LevelOptions, TheScaleIsThatOfTheVolumesCoordinates) {
 }
 
 TEST(LevelOptions, SettingsThatDoNotReadAreRefusedByName) {
-    for (const char* wrong : {"dome", "{}", "[1]", "[\"dome\""}) {
+    const std::vector<std::pair<std::string, std::string>> settings{
+        {"ignore", "dome"},        {"ignore", "{}"},      {"ignore", "[1]"},        {"ignore", "[\"dome\""},
+        {"scene", "-2"},           {"scene", "\"hall\""}, {"default_albedo", "7"}, {"default_albedo", "null"},
+        {"missing_textures", "1"}, {"missing_textures", "\"refuse\""}};
+    for (const auto& [name, wrong] : settings) {
         Volume volume;
-        volume.settings["ignore"] = wrong;
+        volume.settings[name] = wrong;
         try {
             static_cast<void>(with_recorded({}, volume));
-            ADD_FAILURE() << wrong;
+            ADD_FAILURE() << name << " " << wrong;
         } catch (const Error& error) {
-            EXPECT_NE(std::string(error.what()).find("setting \"ignore\""), std::string::npos) << error.what();
+            EXPECT_NE(std::string(error.what()).find(fmt::format("setting \"{}\"", name)), std::string::npos) << error.what();
         }
     }
-}
-
-TEST(NearNames, ThoseThatTakeTheFewestEditsComeFirst) {
-    EXPECT_EQ(edit_distance("dome", "dome"), 0U);
-    EXPECT_EQ(edit_distance("", "dome"), 4U);
-    EXPECT_EQ(edit_distance("doem", "dome"), 1U) << "neighbours that are swapped";
-    EXPECT_EQ(edit_distance("home", "domes"), 2U);
-    EXPECT_EQ(nearest_names("skydoem", {"Tree", "SkyDome", "Sky", "SkyDome"}, 2),
-              (std::vector<std::string>{"SkyDome", "Sky"}));
-    EXPECT_TRUE(nearest_names("dome", {}, 3).empty());
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "core/gltf.h"
+#include "probes/bake.h"
 #include "probes/grid_choice.h"
 
 #include <cstdio>
