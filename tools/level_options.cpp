@@ -154,4 +154,17 @@ LevelOptions with_recorded(LevelOptions given, const Volume& volume) {
     return given;
 }
 
+std::vector<std::string> settings_that_differ(const Volume& a, const Volume& b) {
+    std::vector<std::string> differing;
+    for (const char* name : {scene_setting, ignore_setting, default_albedo_setting, missing_textures_setting,
+                             scale_setting, "environment"}) {
+        const auto of_a = a.settings.find(name);
+        const auto of_b = b.settings.find(name);
+        const bool has_a = of_a != a.settings.end();
+        const bool has_b = of_b != b.settings.end();
+        if (has_a != has_b || (has_a && of_a->second != of_b->second)) differing.emplace_back(name);
+    }
+    return differing;
+}
+
 }  // namespace lightgrid

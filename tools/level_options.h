@@ -36,4 +36,8 @@ void record(const LevelOptions& options, Volume& volume);
 /// read as record() writes them.
 [[nodiscard]] LevelOptions with_recorded(LevelOptions given, const Volume& volume);
 
+/// Of what changes a level or the light around it, what two volumes were baked with differently: "ignore",
+/// "environment". Names of settings.
+[[nodiscard]] std::vector<std::string> settings_that_differ(const Volume& a, const Volume& b);
+
 }  // namespace lightgrid

@@ -3,6 +3,7 @@
 #include "core/environment_file.h"
 #include "core/error.h"
 #include "core/sh.h"
+#include "tools/level_options.h"
 #include "viewer/environment_light.h"
 #include "viewer/outlines.h"
 
@@ -185,8 +186,15 @@ void LevelStage::update() {
     }
     if (show_.watch) {
         if (std::optional<VolumeWatch::News> news = show_.watch->poll()) {
+            if (news->volume) {
+                const std::vector<std::string> other = settings_that_differ(baked_->volume, *news->volume);
+                if (!other.empty()) {
+                    news->notice += fmt::format("; it was baked with other settings than what is shown ({}): start anew",
+                                                fmt::join(other, ", "));
+                }
+                take(std::make_shared<const LitVolume>(std::move(*news->volume)));
+            }
             tell_(news->notice);
-            if (news->volume) take(std::make_shared<const LitVolume>(std::move(*news->volume)));
         }
     }
     if (default_flight_.valid() && default_flight_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {

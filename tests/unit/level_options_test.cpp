@@ -63,6 +63,18 @@ TEST(LevelOptions, TheScaleIsThatOfTheVolumesCoordinates) {
     }
 }
 
+TEST(LevelOptions, SettingsThatDifferAreNamed) {
+    Volume a;
+    Volume b;
+    EXPECT_TRUE(settings_that_differ(a, b).empty());
+    record(parsed({"--ignore", "dome"}), a);
+    a.settings["environment"] = "none";
+    b.settings["environment"] = "uniform sky 1,1,1 cd/m^2";
+    a.settings["seed"] = "1";
+    EXPECT_EQ(settings_that_differ(a, b), (std::vector<std::string>{"ignore", "environment"}));
+    EXPECT_TRUE(settings_that_differ(a, a).empty());
+}
+
 TEST(LevelOptions, SettingsThatDoNotReadAreRefusedByName) {
     const std::vector<std::pair<std::string, std::string>> settings{
         {"ignore", "dome"},        {"ignore", "{}"},      {"ignore", "[1]"},        {"ignore", "[\"dome\""},
