@@ -305,8 +305,8 @@ class Bake {
         evidence.is_black = is_black(result_.volume.coefficients) && held_out_.a.is_black() && held_out_.b.is_black();
         evidence.is_tested = result_.from_kept || (paths_.lights() & ~result_.counts.tested) == 0;
         evidence.has_light = paths_.lights() != 0;
-        evidence.is_shut_out = std::any_of(plan_.shut_out.begin(), plan_.shut_out.end(),
-                                           [](const ShutOut& out) { return out.node >= 0; });
+        evidence.is_shut_out =
+            std::any_of(plan_.shut_out.begin(), plan_.shut_out.end(), [](const ShutOut& out) { return out.node >= 0; });
         evidence.is_all_shut_out = is_all_shut_out(paths_, plan_.shut_out);
         evidence.missing_textures = paths_.tracer().scene().missing_textures.size();
         Target target = options_.target;

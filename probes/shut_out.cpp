@@ -22,8 +22,8 @@ constexpr std::size_t paths_from_points = 4096;
 constexpr std::size_t paths_from_lamp = 512;
 constexpr int points_tried = 4;  // at each vertex of a lamp's path
 constexpr double least_around = 1.0 / 16;  // of the points: refined grids have most where light is, outside of a dome
-constexpr int directions_tried = 8;  // upwards, of a point that a mesh may be all around
-constexpr int most_layers = 64;      // along a ray
+constexpr int directions_tried = 8;        // upwards, of a point that a mesh may be all around
+constexpr int most_layers = 64;            // along a ray
 
 /// A direction towards a light, and how far it is free to go; none: nothing comes from there.
 struct Towards {
@@ -136,8 +136,8 @@ bool is_around(const Tracer& tracer, int node, glm::vec3 point, RandomStream& ra
     return true;
 }
 
-/// The mesh that alone keeps a light at infinity from the points that it is all around; none: light arrives there, or no
-/// one mesh does.
+/// The mesh that alone keeps a light at infinity from the points that it is all around; none: light arrives there, or
+/// no one mesh does.
 ///
 /// aim  draws a direction to the light
 std::optional<ShutOut> shut_out_by(const Tracer& tracer, std::span<const glm::vec3> points,
@@ -145,7 +145,7 @@ std::optional<ShutOut> shut_out_by(const Tracer& tracer, std::span<const glm::ve
     struct Path {
         glm::vec3 start{0};
         bool is_lit = false;
-        bool has_aimed = false;     // straight from its start,
+        bool has_aimed = false;    // straight from its start,
         std::set<int> in_the_way;  // where these nodes are met
     };
     std::vector<Path> traced(paths_from_points);
@@ -173,8 +173,7 @@ std::optional<ShutOut> shut_out_by(const Tracer& tracer, std::span<const glm::ve
             direction = ray.direction;
         }
     });
-    const bool is_dark =
-        std::none_of(traced.begin(), traced.end(), [](const Path& path) { return path.is_lit; });
+    const bool is_dark = std::none_of(traced.begin(), traced.end(), [](const Path& path) { return path.is_lit; });
     std::set<int> alone;
     for (const Path& path : traced)
         if (path.in_the_way.size() == 1) alone.insert(path.in_the_way.begin(), path.in_the_way.end());
@@ -189,7 +188,8 @@ std::optional<ShutOut> shut_out_by(const Tracer& tracer, std::span<const glm::ve
             ++around;
             if (path.is_lit || (path.has_aimed && path.in_the_way.count(node) == 0)) lets_light_in = true;
         });
-        if (!lets_light_in && static_cast<double>(around) >= least_around * paths_from_points) return ShutOut{"", node, is_dark};
+        if (!lets_light_in && static_cast<double>(around) >= least_around * paths_from_points)
+            return ShutOut{"", node, is_dark};
     }
     return {};
 }

@@ -47,8 +47,8 @@ Verdict judge(const Target& target, const Evidence& evidence) {
                 fmt::format("no light reached any of {} points", evidence.points)};
     }
     if (evidence.missing_textures > 0) {
-        return not_judged(fmt::format("{} texture{} missing", evidence.missing_textures,
-                                      evidence.missing_textures == 1 ? "" : "s"));
+        return not_judged(
+            fmt::format("{} texture{} missing", evidence.missing_textures, evidence.missing_textures == 1 ? "" : "s"));
     }
     if (!evidence.has_light) return not_judged("nothing shines, all is black");
     if (evidence.is_all_shut_out) return not_judged("every light is kept from the level");
@@ -63,8 +63,8 @@ Verdict judge(const Target& target, const Evidence& evidence) {
     if (evidence.error == nullptr) {
         const bool is_met = evidence.noise < wanted;
         return {true, is_met,
-                fmt::format("{}: noise {} of {}", is_met ? "target met" : "target not reached",
-                            percent(evidence.noise), rounded_percent(wanted))};
+                fmt::format("{}: noise {} of {}", is_met ? "target met" : "target not reached", percent(evidence.noise),
+                            rounded_percent(wanted))};
     }
     const ErrorPart& counted = target.error ? evidence.error->total : evidence.error->without_bands;
     if (counted.interval.high < wanted) {

@@ -31,7 +31,8 @@ struct Verdict {
 
 /// Black samples are no evidence where a light was never asked for: whatever the error is said to be, the target is not
 /// met. What shadow rays found dark is dark, and has no relative error to judge by: it counts as met. Nothing is judged
-/// where a texture is missing, where nothing shines, where one mesh keeps every light out, or one of them while all is dark.
+/// where a texture is missing, where nothing shines, where one mesh keeps every light out, or one of them while all is
+/// dark.
 [[nodiscard]] Verdict judge(const Target& target, const Evidence& evidence);
 
 }  // namespace lightgrid

@@ -189,8 +189,9 @@ void LevelStage::update() {
             if (news->volume) {
                 const std::vector<std::string> other = settings_that_differ(baked_->volume, *news->volume);
                 if (!other.empty()) {
-                    news->notice += fmt::format("; it was baked with other settings than what is shown ({}): start anew",
-                                                fmt::join(other, ", "));
+                    news->notice +=
+                        fmt::format("; it was baked with other settings than what is shown ({}): start anew",
+                                    fmt::join(other, ", "));
                 }
                 take(std::make_shared<const LitVolume>(std::move(*news->volume)));
             }

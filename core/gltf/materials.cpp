@@ -269,8 +269,7 @@ Error refusal_of(const std::map<int, Error>& problems) {
     std::vector<std::string> others;
     for (auto image = std::next(images.begin()); image != images.end() && others.size() < most_named; ++image)
         others.push_back(image->first);
-    if (images.size() - 1 > others.size())
-        others.push_back(fmt::format("{} more", images.size() - 1 - others.size()));
+    if (images.size() - 1 > others.size()) others.push_back(fmt::format("{} more", images.size() - 1 - others.size()));
     return Error(fmt::format("{}; also missing: {}", first.problem(), fmt::join(others, ", ")), first.where(),
                  "Put the files there, or take --missing-textures warn.");
 }

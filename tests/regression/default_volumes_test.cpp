@@ -1,7 +1,7 @@
-// Volumes as a bake without options makes them, in several levels of grids: what shaders read of them, what is outside of
-// them, and what the default flight shows. Pictures of them have no references on disk, as those of volumes with a fixed
-// spacing have (flown_pictures_test.cpp): another seed or a better planner refines elsewhere. They are compared with rays
-// and the Sampler instead.
+// Volumes as a bake without options makes them, in several levels of grids: what shaders read of them, what is outside
+// of them, and what the default flight shows. Pictures of them have no references on disk, as those of volumes with a
+// fixed spacing have (flown_pictures_test.cpp): another seed or a better planner refines elsewhere. They are compared
+// with rays and the Sampler instead.
 
 #include "core/gltf.h"
 #include "core/image.h"
@@ -150,7 +150,8 @@ TEST_P(DefaultVolumes, LightPicturesAsTheSamplerDoes) {
     }
     fmt::print("{}: {} of {} pixels differ by more than {} %\n", GetParam(), differing, compared, 100 * tolerance);
     EXPECT_GT(compared, frames * size.x * size.y / 4);
-    EXPECT_LT(differing, 0.002 * compared) << "at edges, and where float sees a point on the other side of a cell's face";
+    EXPECT_LT(differing, 0.002 * compared)
+        << "at edges, and where float sees a point on the other side of a cell's face";
 }
 
 INSTANTIATE_TEST_SUITE_P(Baked, DefaultVolumes, testing::Values("default", "inn", "courtyard", "modern_hall"),

@@ -414,11 +414,10 @@ TEST_F(LevelBake, ALitWindowInADarkFacadeIsNotMissed) {
     gltf.use("KHR_materials_emissive_strength");
     gltf.add("samplers", {{"magFilter", 9728}, {"minFilter", 9728}});
     const int texture = gltf.texture(image, {{"sampler", 0}});
-    gltf.add("materials",
-             {{"pbrMetallicRoughness", {{"baseColorFactor", {0, 0, 0, 1}}}},
-              {"emissiveFactor", {1, 1, 1}},
-              {"emissiveTexture", {{"index", texture}}},
-              {"extensions", {{"KHR_materials_emissive_strength", {{"emissiveStrength", radiance}}}}}});
+    gltf.add("materials", {{"pbrMetallicRoughness", {{"baseColorFactor", {0, 0, 0, 1}}}},
+                           {"emissiveFactor", {1, 1, 1}},
+                           {"emissiveTexture", {{"index", texture}}},
+                           {"extensions", {{"KHR_materials_emissive_strength", {{"emissiveStrength", radiance}}}}}});
     const int positions = gltf.vec3s({{-8, 0, 0}, {8, 0, 0}, {8, 16, 0}, {-8, 16, 0}});
     const int coordinates = gltf.vec2s({{0, 1}, {1, 1}, {1, 0}, {0, 0}});
     gltf.node({{"mesh", gltf.mesh({{"attributes", {{"POSITION", positions}, {"TEXCOORD_0", coordinates}}},
@@ -432,7 +431,8 @@ TEST_F(LevelBake, ALitWindowInADarkFacadeIsNotMissed) {
     EXPECT_EQ(baked.err.find("no surface emits"), std::string::npos) << baked.err;
     write("p.csv", "x,y,z,nx,ny,nz\n3,10.75,5,0,0,-1\n");
     const auto irradiance = [&](const std::string& call) {
-        const Result result = shell(fmt::format("{} {} --points p.csv | tail -n 1 | cut -d, -f7", LIGHTGRID_PROGRAM, call));
+        const Result result =
+            shell(fmt::format("{} {} --points p.csv | tail -n 1 | cut -d, -f7", LIGHTGRID_PROGRAM, call));
         EXPECT_EQ(result.status, 0) << result.err;
         return std::stod(result.out);
     };

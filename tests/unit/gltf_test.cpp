@@ -882,7 +882,8 @@ TEST(Gltf, ARefusalForMissingTexturesNamesAllImages) {
     GltfBuilder builder = with_material({{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}},
                                          {"emissiveFactor", {1, 1, 1}},
                                          {"emissiveTexture", {{"index", 1}}}});
-    for (const char* uri : {"a.png", "b.png"}) builder.add("textures", {{"source", builder.add("images", {{"uri", uri}})}});
+    for (const char* uri : {"a.png", "b.png"})
+        builder.add("textures", {{"source", builder.add("images", {{"uri", uri}})}});
     const TemporaryFolder folder;
     write_bytes(folder.path() / "level.gltf", builder.finished().dump());
     LoadOptions options;

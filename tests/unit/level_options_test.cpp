@@ -77,8 +77,10 @@ TEST(LevelOptions, SettingsThatDifferAreNamed) {
 
 TEST(LevelOptions, SettingsThatDoNotReadAreRefusedByName) {
     const std::vector<std::pair<std::string, std::string>> settings{
-        {"ignore", "dome"},        {"ignore", "{}"},      {"ignore", "[1]"},        {"ignore", "[\"dome\""},
-        {"scene", "-2"},           {"scene", "\"hall\""}, {"default_albedo", "7"}, {"default_albedo", "null"},
+        {"ignore", "dome"},        {"ignore", "{}"},
+        {"ignore", "[1]"},         {"ignore", "[\"dome\""},
+        {"scene", "-2"},           {"scene", "\"hall\""},
+        {"default_albedo", "7"},   {"default_albedo", "null"},
         {"missing_textures", "1"}, {"missing_textures", "\"refuse\""}};
     for (const auto& [name, wrong] : settings) {
         Volume volume;
@@ -87,7 +89,8 @@ TEST(LevelOptions, SettingsThatDoNotReadAreRefusedByName) {
             static_cast<void>(with_recorded({}, volume));
             ADD_FAILURE() << name << " " << wrong;
         } catch (const Error& error) {
-            EXPECT_NE(std::string(error.what()).find(fmt::format("setting \"{}\"", name)), std::string::npos) << error.what();
+            EXPECT_NE(std::string(error.what()).find(fmt::format("setting \"{}\"", name)), std::string::npos)
+                << error.what();
         }
     }
 }
