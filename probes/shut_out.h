@@ -22,9 +22,9 @@ struct ShutOut {
 /// A light that any of them connects is not listed, nor is a lamp outside of the points' bounds.
 ///
 /// A mesh is named for sun or sky where the rest of the level is within its bounds, where it stops every ray towards
-/// the light (of a sky: every ray upwards) from the points that it is all around, a sixteenth of all at least, and where it
-/// is the only thing that stops some: without it, light would arrive. Points outside of it, as in the corners round a
-/// dome, may be lit. It is named for a lamp where it stops every ray from the lamp.
+/// the light (of a sky: every ray upwards) from the points that it is all around, a sixteenth of all at least, and
+/// where it is the only thing that stops some: without it, light would arrive. Points outside of it, as in the corners
+/// round a dome, may be lit. It is named for a lamp where it stops every ray from the lamp.
 ///
 /// points  where light is gathered, relative to Scene::origin
 /// A sun or sky that several meshes together keep out, as walls and roof of a house do, is not listed.
