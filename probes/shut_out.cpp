@@ -10,6 +10,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <map>
 #include <optional>
 #include <set>
 
@@ -93,20 +94,20 @@ Ray reflected(const Surface& surface, RandomStream& random) {
     return {surface.leave(normal), direction};
 }
 
-/// Bounds of what stands in the level and satisfies `counts(node)`, relative to Scene::origin.
-Box bounds_of_nodes(const Scene& scene, const std::function<bool(int)>& counts) {
-    Box box;
+/// Of what stands in the level, relative to Scene::origin.
+std::map<int, Box> bounds_by_node(const Scene& scene) {
+    std::map<int, Box> bounds;
     for (const int mesh : scene.placed) {
-        if (!counts(scene.meshes[mesh].node)) continue;
+        Box& box = bounds[scene.meshes[mesh].node];
         for (const glm::vec3& position : scene.meshes[mesh].positions) box.extend(position);
     }
     for (const Instance& instance : scene.instances) {
-        if (!counts(instance.node)) continue;
+        Box& box = bounds[instance.node];
         for (const int mesh : scene.models[instance.model].meshes)
             for (const glm::vec3& position : scene.meshes[mesh].positions)
                 box.extend(instance.to_level * glm::vec4(position, 1));
     }
-    return box;
+    return bounds;
 }
 
 bool is_within(const Box& inner, const Box& outer) {
@@ -121,9 +122,11 @@ Box bounds_of(std::span<const glm::vec3> points) {
     return box;
 }
 
-bool encloses_the_rest(const Scene& scene, int node) {
-    const Box rest = bounds_of_nodes(scene, [&](int other) { return other != node; });
-    return rest.empty() || is_within(rest, bounds_of_nodes(scene, [&](int other) { return other == node; }));
+bool encloses_the_rest(const std::map<int, Box>& bounds, int node) {
+    const auto around = bounds.find(node);
+    return around != bounds.end() && std::all_of(bounds.begin(), bounds.end(), [&](const auto& other) {
+               return other.second.empty() || is_within(other.second, around->second);
+           });
 }
 
 /// Whether a node's mesh is met in each of some directions upwards.
@@ -177,8 +180,10 @@ std::optional<ShutOut> shut_out_by(const Tracer& tracer, std::span<const glm::ve
     std::set<int> alone;
     for (const Path& path : traced)
         if (path.in_the_way.size() == 1) alone.insert(path.in_the_way.begin(), path.in_the_way.end());
+    if (alone.empty()) return {};
+    const std::map<int, Box> bounds = bounds_by_node(tracer.scene());
     for (const int node : alone) {
-        if (!encloses_the_rest(tracer.scene(), node)) continue;
+        if (!encloses_the_rest(bounds, node)) continue;
         std::atomic<std::size_t> around = 0;
         std::atomic<bool> lets_light_in = false;
         for_each_index(traced.size(), [&](std::size_t i) {
